@@ -3,35 +3,15 @@
 import itertools
 from dataclasses import dataclass
 
-import mitsuba as mi
 import numpy as np
 import pytest
-
-from urushi.mitsuba.reading import probing
+from tests.mitsuba.probes import strip
+from tests.openpbr_surface.probes import WHITE, loaded, pairs, sampled, toward, values
 
 pytestmark = pytest.mark.usefixtures("rgb")
 
-WHITE = {"type": "rgb", "value": [1.0, 1.0, 1.0]}
-
 #: Samples of a material.
 SAMPLES = 1 << 16
-
-
-def light(bsdf, cosine, uv, samples, azimuth=50.0):
-    """Shares (N,) of the light that is reflected at points of uv (N, 2), by quasi-random samples,
-    and their standard errors.
-
-    azimuth: [degrees].
-    """
-    count, phi = len(uv) * samples, np.radians(azimuth)
-    sine = (1 - cosine**2) ** 0.5
-    wi = np.array([sine * np.cos(phi), sine * np.sin(phi), cosine])
-    si = probing.interaction(np.tile(wi, (count, 1)), np.repeat(uv, samples, 0), np.arange(count))
-    index = np.tile(np.arange(samples), len(uv))
-    u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
-    _, weight = bsdf.sample(mi.BSDFContext(), si, mi.Float(u[0]), mi.Point2f(u[1], u[2]))
-    weights = weight[0].numpy().reshape(len(uv), samples).astype(np.float64)
-    return weights.mean(axis=1), weights.std(axis=1) / samples**0.5
 
 
 @dataclass
@@ -49,12 +29,6 @@ class Furnace:
     @property
     def walks(self) -> bool:
         return self.parameters.get("reference", False)
-
-
-def texels(*values):
-    """A row of texels."""
-    bitmap = mi.Bitmap(np.float32([values])[..., None])
-    return {"type": "bitmap", "raw": True, "filter_type": "nearest", "bitmap": bitmap}
 
 
 METAL, WALKS = {"base_metalness": 1.0}, {"reference": True}
@@ -122,12 +96,16 @@ FURNACES = {
 def test_a_white_material_under_a_coat_reflects_all_light(name):
     """A pair of numbers is a texture of two texels. Walks have noise: four standard errors."""
     case = FURNACES[name]
-    given = {k: texels(*x) if isinstance(x, tuple) else x for k, x in case.parameters.items()}
-    bsdf = mi.load_dict({"type": "openpbr", "base_color": WHITE, "coat_weight": 1.0, **given})
-    uv = np.column_stack([case.u, np.full(len(case.u), 0.5)])
+    given = {
+        k: strip(*x, filter_type="nearest") if isinstance(x, tuple) else x
+        for k, x in case.parameters.items()
+    }
+    bsdf = loaded(**{"base_color": WHITE, "coat_weight": 1.0, **given})
+    uv, most = np.column_stack([case.u, np.full(len(case.u), 0.5)]), case.most or case.tolerance
     for cosine, azimuth in itertools.product(case.cosines, case.azimuths):
-        found, error = light(bsdf, cosine, uv, SAMPLES, azimuth)
-        noise, most = 4 * case.walks * error, case.tolerance if case.most is None else case.most
+        wi = np.tile(toward(cosine, azimuth), (len(uv), 1))
+        weight = sampled(bsdf, wi, SAMPLES, uv)[0][..., 0]
+        found, noise = weight.mean(1), 4 * case.walks * weight.std(1) / SAMPLES**0.5
         assert (found - 1 < most + noise).all()
         assert (1 - found < case.tolerance + noise).all()
 
@@ -135,14 +113,9 @@ def test_a_white_material_under_a_coat_reflects_all_light(name):
 @pytest.mark.parametrize("ior", [0.7, 1.0, 1.5])
 def test_a_rough_slab_becomes_the_closed_form_as_its_roughness_vanishes(ior):
     """A roughness of zero by a texture, which the plugin cannot know, is that by a number."""
-    texels = np.float32([0, 0, 0, 1e-9]).reshape(2, 2, 1)
-    zero = {"type": "bitmap", "raw": True, "bitmap": mi.Bitmap(texels)}
-    rng = np.random.default_rng(6)
-    wi, wo = rng.normal(size=(2, 300, 3)) * [1, 1, 0] + [0, 0, 1]
-    wi, wo = (w / np.linalg.norm(w, axis=1, keepdims=True) for w in (wi, wo))
-    found = []
-    for rough in (0.0, zero):
-        shared = {"specular_ior": ior, "specular_roughness": 0.5, "base_diffuse_roughness": rough}
-        bsdf = mi.load_dict({"type": "openpbr", **shared})
-        found.append(probing.bsdf_values(bsdf, wi, wo, np.full((300, 2), 0.5)))
-    np.testing.assert_allclose(found[1], found[0], rtol=2e-5)
+    zero = strip(0.0, 1e-9)
+    shared = {"specular_ior": ior, "specular_roughness": 0.5}
+    number, texture = (
+        values(loaded(**shared, base_diffuse_roughness=x), *pairs(300)) for x in (0.0, zero)
+    )
+    np.testing.assert_allclose(texture, number, rtol=2e-5)

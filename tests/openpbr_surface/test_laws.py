@@ -5,14 +5,13 @@ Every parameter is drawn over its range, one value in four at an end of it.
 
 from dataclasses import dataclass, field
 
-import mitsuba as mi
 import numpy as np
 import pytest
 from tests.mitsuba.probes import strip
-from tests.openpbr_surface.test_truth import PARTS, quadrature
+from tests.openpbr_surface.probes import PARTS, WHITE, evaluated, quadrature, sampled, toward
+from tests.openpbr_surface.probes import loaded as openpbr
 from tests.oracles import openpbr_base
 
-from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface.parameters import PARAMETERS, names_of
 
 pytestmark = pytest.mark.usefixtures("rgb")
@@ -83,31 +82,19 @@ def values(kind, seed=7):
 def loaded(kind, **replaced):
     """All materials of a kind as one; replaced: parameters of all."""
     given = {name: strip(*x, filter_type="nearest") for name, x in values(kind).items()}
-    return mi.load_dict({"type": "openpbr", **given, **kind.constants, **replaced})
+    return openpbr(**given | kind.constants | replaced)
 
 
-def interaction(wi, texel):
-    """Surface interactions seen from wi (N, 3) at texels (N,)."""
-    uv = np.column_stack([(texel + 0.5) / TEXELS, np.full(len(texel), 0.5)])
-    return probing.interaction(wi, uv, np.arange(len(wi)))
+def uv(texel):
+    """The middle (N, 2) of texels (N,)."""
+    return np.column_stack([(texel + 0.5) / TEXELS, np.full(len(texel), 0.5)])
 
 
-def evaluated(bsdf, wi, wo, texel, mode="Radiance"):
-    """f [1/sr] (N, 3) and density (N,) of pairs (N, 3) at texels (N,)."""
-    out = mi.Vector3f(np.ascontiguousarray(np.float32(wo.T)))
-    context = mi.BSDFContext(getattr(mi.TransportMode, mode))
-    f_cos, density = bsdf.eval_pdf(context, interaction(wi, texel), out)
-    return f_cos.numpy().T / np.abs(wo[:, 2:]), density.numpy()
-
-
-def sampled(bsdf, wi, texel, count, mode):
-    """Mean weights (N,) of the first channel for light from wi (N, 3), and standard errors."""
-    si = interaction(np.repeat(wi, count, 0), np.repeat(texel, count))
-    u = np.random.default_rng(2).random((3, count * len(wi)), np.float32)
-    context = mi.BSDFContext(getattr(mi.TransportMode, mode))
-    _, weight = bsdf.sample(context, si, mi.Float(u[0]), mi.Point2f(u[1:]))
-    parts = weight[0].numpy().astype(np.float64).reshape(len(wi), 16, -1).mean(-1)
-    return parts.mean(-1), parts.std(-1) / 4
+def shares(bsdf, wi, mode):
+    """Mean weights (TEXELS,) of the first channel for light from wi, and standard errors."""
+    weight, _ = sampled(bsdf, wi, 1 << 14, uv(np.arange(TEXELS)), mode)
+    parts = weight[..., 0].reshape(TEXELS, PARTS, -1).mean(-1)
+    return parts.mean(-1), parts.std(-1) / PARTS**0.5
 
 
 def pairs(kind, count, seed=1):
@@ -126,12 +113,10 @@ def test_white_materials_reflect_all_light(name):
     """From either side, within the tables of interfaces and four standard errors of samples."""
     kind = KINDS[name]
     colors = [x for x in kind.ranges if x.endswith("color")]
-    white = {x: {"type": "rgb", "value": [1.0, 1.0, 1.0]} for x in (*colors, "base_color")}
-    bsdf, texel = loaded(kind, **white, base_weight=1.0), np.arange(TEXELS)
+    white = dict.fromkeys((*colors, "base_color"), WHITE)
+    bsdf, turns = loaded(kind, **white, base_weight=1.0), 137.5 * np.arange(TEXELS)
     for cosine in (1.0, 0.6, 0.2, *(() if kind.across is None else (-0.9, -0.4))):
-        turn, sine = 2.4 * texel, (1 - cosine**2) ** 0.5
-        wi = np.stack([sine * np.cos(turn), sine * np.sin(turn), cosine + 0 * turn], -1)
-        found, error = sampled(bsdf, wi, texel, 1 << 14, kind.mode)
+        found, error = shares(bsdf, toward(cosine, turns), kind.mode)
         assert (np.abs(found - 1) < kind.furnace + 4 * error).all()
 
 
@@ -144,11 +129,11 @@ def test_light_paths_may_be_reversed(name):
     kind, texel = KINDS[name], np.repeat(np.arange(TEXELS), 40)
     bsdf, (wi, wo) = loaded(kind), pairs(kind, len(texel))
     squares = [np.where(w[:, 2:] > 0, 1, (kind.across or 1) ** 2) for w in (wi, wo)]
-    f = evaluated(bsdf, wi, wo, texel)[0]
+    f = evaluated(bsdf, wi, wo, uv(texel))[0]
     assert f.min() >= 0 and np.isfinite(f).all()
-    back = evaluated(bsdf, wo, wi, texel)[0] * squares[0]
+    back = evaluated(bsdf, wo, wi, uv(texel))[0] * squares[0]
     np.testing.assert_allclose(f * squares[1], back, rtol=2e-3, atol=2e-5)
-    light = evaluated(bsdf, wi, wo, texel, "Importance")[0]
+    light = evaluated(bsdf, wi, wo, uv(texel), "Importance")[0]
     np.testing.assert_allclose(light * squares[0], f * squares[1], rtol=1e-3, atol=1e-6)
 
 
@@ -160,13 +145,13 @@ def test_samples_have_the_mean_of_the_values(name):
     both = [quadrature(w, kind.across, 24) for w in wi]
     wo, cells = (np.stack(x) for x in zip(*both, strict=True))
     count = wo[0].size // 3
-    rows = np.repeat(wi, count, 0), wo.reshape(-1, 3), np.repeat(texel, count)
+    rows = np.repeat(wi, count, 0), wo.reshape(-1, 3), uv(np.repeat(texel, count))
     f, density = evaluated(bsdf, *rows, kind.mode)
     light = f[:, 0].reshape(cells.shape) * np.abs(wo[..., 2]) * cells
     whole = (density.reshape(cells.shape) * cells).sum((1, 2))
     # Refraction below the horizon has no light; cells resolve the narrowest lobes within 3 %.
     assert (whole < 1.03).all() and (whole > (0.97 if kind.across is None else 0.7)).all()
-    found, error = sampled(bsdf, wi, texel, 1 << 14, kind.mode)
+    found, error = shares(bsdf, wi, kind.mode)
     noise = np.hypot(error, light.sum(-1).std(-1) * PARTS**0.5)
     assert (np.abs(light.sum((1, 2)) - found) < 0.01 + 4 * noise).all()
 
@@ -177,7 +162,7 @@ def test_a_base_is_its_formula(name):
     kind, count, number = KINDS[name], 5, 8
     texel = np.repeat(np.arange(number), count)
     wi, wo = pairs(kind, len(texel))
-    f = evaluated(loaded(kind), wi, wo, texel)[0].reshape(number, count, 3)
+    f = evaluated(loaded(kind), wi, wo, uv(texel))[0].reshape(number, count, 3)
     defaults = {x: np.atleast_1d(PARAMETERS[x].default) for x in names_of(*BASE)}
     drawn, weight = values(kind), (wi[:, 2] * wo[:, 2]).reshape(number, count, 1)
     for k in range(number):

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.checks import Widths
 from urushi.core import albedos, fresnel
 from urushi.core.facets import MIRROR
 from urushi.core.namespace import NUMPY
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.openpbr_surface import film, formulas, lookups
 from urushi.walk.simulate import albedo
 
@@ -23,10 +21,6 @@ def mean(values):
 
 def direction(cosine):
     return np.array([[np.sqrt(1 - cosine * cosine), 0, cosine]])
-
-
-def test_a_mirror_has_the_narrowest_lobe():
-    assert formulas.lobe_widths(0.0, 0.0) == (0.01, 0.01)
 
 
 def test_the_base_has_the_ratio_of_the_indices():
@@ -124,57 +118,6 @@ def test_a_smooth_glossy_base_keeps_its_colour_in_the_walk(eta):
     found, error = albedo(stack, direction(1.0), walks=1 << 18)
     spec = ((eta - 1) / (eta + 1)) ** 2
     assert np.all(np.abs(found - (spec + (1 - spec) * color)) < 4 * error + 2e-3)
-
-
-@pytest.mark.parametrize("alpha", [0.04, 0.3, 0.9])
-def test_tables_of_the_interface_agree_with_the_walk(alpha):
-    """Over a black bottom, a stack reflects what its interface reflects."""
-    for eta, cosine in ((1.5, 0.8), (1.5, 0.2), (0.9375, 0.6)):
-        at = (
-            albedos.roughness_coordinate(alpha),
-            albedos.cosine_coordinate(cosine, eta),
-        )
-        found = interpolated(albedos.tables(eta).reflected[0], at)
-        among = interpolated(albedos.tables().reflected, (albedos.index_coordinate(eta), *at))
-        stack = urushi.coat(urushi.diffuse(0.0), alpha=alpha, eta=eta)
-        expected, error = albedo(stack, direction(cosine), walks=1 << 17)
-        assert abs(found - expected[0, 0]) < 4 * error[0, 0] + 2e-3
-        assert abs(among - expected[0, 0]) < 4 * error[0, 0] + 4e-3  # also between indices
-
-
-@pytest.mark.parametrize("alpha", [0.04, 0.3, 1.0])
-def test_what_an_interface_does_not_reflect_or_lose_passes(alpha):
-    """The walk over a white bottom gives what passes, by all orders of internal reflection."""
-    eta, cosine = 1.6, 0.7
-    at = albedos.roughness_coordinate(alpha), np.sqrt(cosine)
-    above, below = albedos.tables(eta), albedos.tables(1 / eta)
-    reflected, passed = (interpolated(t[0], at) for t in (above.reflected, above.passed))
-    leaving = interpolated(above.passed_mean[0], at[:1]) / eta**2
-    returned = interpolated(below.reflected_mean[0], at[:1])
-    stack = urushi.coat(urushi.diffuse(1.0), alpha=alpha, eta=eta)
-    expected, error = albedo(stack, direction(cosine), walks=1 << 18)
-    total = reflected + passed * leaving / (1 - returned)
-    assert abs(total - expected[0, 0]) < 4 * error[0, 0] + 3e-3
-
-
-@pytest.mark.parametrize("turn", [0.1, 0.8])
-def test_mirrors_of_two_equal_widths_are_those_of_one(rgb, turn):
-    """At any azimuth, up to the quadratures of the tables."""
-    two, one = InterfaceAlbedo(MIRROR, two_widths=True), InterfaceAlbedo(MIRROR)
-    w = rgb.Vector3f(float(0.8 * np.cos(turn)), float(0.8 * np.sin(turn)), 0.6)
-    for alpha in (0.05, 0.3, 0.9):
-        width = rgb.Float(alpha)
-        found, expected = two.reflected(w, Widths(width, width)), one.reflected(w, width)
-        assert found[0] == pytest.approx(expected[0], abs=3e-3)
-
-
-def interpolated(table, at):
-    """Multilinear interpolation of a table at coordinates in [0, 1]."""
-    for x in at:
-        position = float(x) * (len(table) - 1)
-        low = min(int(position), len(table) - 2)
-        table = table[low] + (position - low) * (table[low + 1] - table[low])
-    return float(table)
 
 
 @pytest.mark.parametrize("eta", [1.001, 1.1, 1.5, 3.0, 10.0, 100.0])

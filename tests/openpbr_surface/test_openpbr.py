@@ -1,9 +1,10 @@
-"""The plugin `openpbr`: white furnaces, the base in closed form, its coat against the walk."""
+"""The plugin `openpbr`: the base in closed form, its coat against the walk, film, fuzz, frames."""
 
 import mitsuba as mi
 import numpy as np
 import pytest
-from tests.mitsuba.probes import nearly
+from tests.mitsuba.probes import nearly, strip
+from tests.openpbr_surface.probes import error, evaluated, loaded, pairs, sampled, toward, values
 from tests.oracles.analog import analog_albedo
 from tests.oracles.slab import interface_reflectance
 
@@ -11,70 +12,26 @@ import urushi
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY
 from urushi.material import adding
-from urushi.mitsuba.reading import probing
-from urushi.openpbr_surface import thin_film
+from urushi.openpbr_surface import formulas, thin_film
 
 pytestmark = pytest.mark.usefixtures("rgb")
 
-WHITE = {"type": "rgb", "value": [1, 1, 1]}
-COLOR = {"type": "rgb", "value": [0.2, 0.5, 0.8]}
+COLOR = (0.2, 0.5, 0.8)
 BRUSHED = dict(base_metalness=1.0, specular_roughness=0.5, specular_roughness_anisotropy=0.7)
-
-
-def openpbr(**parameters):
-    return mi.load_dict({"type": "openpbr", **parameters})
-
-
-def pairs(count, seed=1):
-    """Directions of cosine density, at most 1.55 rad from the normal: two arrays (count, 3)."""
-    rng = np.random.default_rng(seed)
-
-    def draw():
-        u, v = rng.random((2, count))
-        cosine = np.maximum(np.sqrt(u), 0.02)
-        sine, azimuth = np.sqrt(1 - cosine**2), 2 * np.pi * v
-        return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine], -1)
-
-    return draw().astype(np.float32), draw().astype(np.float32)
-
-
-def values(bsdf, wi, wo, repeats=1):
-    """The mean of f [1/sr] over evaluations that draw other random numbers, (N, C)."""
-    time = np.repeat(np.arange(repeats), len(wi)).astype(np.float32)
-    a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
-    f = probing.bsdf_values(bsdf, a, b, np.full((len(a), 2), 0.5), time)
-    return f.reshape(repeats, len(wi), -1).mean(axis=0)
-
-
-def error(found, expected, wi, wo):
-    """Sum of the absolute deviations over the sum of f, by cosines."""
-    weight = (wi[:, 2] * wo[:, 2])[:, None]
-    return (np.abs(found - expected) * weight).sum() / (expected * weight).sum()
+WALKS = dict(reference=True, energy_compensation=False)
 
 
 def albedo(bsdf, cosine, samples=1 << 17):
     """Share of the light that is reflected, and its standard error."""
-    wi = np.tile([(1 - cosine**2) ** 0.5, 0, cosine], (samples, 1))
-    time = np.arange(samples, dtype=np.float32)
-    si = probing.interaction(wi, np.full((samples, 2), 0.5), time)
-    rng = mi.PCG32(size=samples)
-    u = mi.Point2f(rng.next_float32(), rng.next_float32())
-    _, weight = bsdf.sample(mi.BSDFContext(), si, rng.next_float32(), u)
-    mean = weight[0].numpy().astype(np.float64)
-    return mean.mean(), mean.std() / samples**0.5
+    weight = sampled(bsdf, toward(cosine), samples, mode="Radiance")[0][0, :, 0]
+    return weight.mean(), weight.std() / samples**0.5
 
 
 @pytest.mark.parametrize("index", [1.002, 1.1, 1.5])
 def test_a_smooth_coat_over_a_polished_metal_reflects_as_many_photons(index):
     """Coat and metal have an alpha of 0.01. Photons err by 0.1 %, tables by up to 2.5 % there."""
-    coated = openpbr(
-        base_metalness=1.0,
-        base_color={"type": "rgb", "value": [0.8] * 3},
-        specular_roughness=0.1,
-        coat_weight=1.0,
-        coat_ior=index,
-        coat_roughness=0.0,
-    )
+    metal = dict(base_metalness=1.0, base_color=(0.8,) * 3, specular_roughness=0.1)
+    coated = loaded(**metal, coat_weight=1.0, coat_ior=index, coat_roughness=0.0)
     cosines = np.array([0.95, 0.6, 0.3])
     found = adding.albedos(lambda wi, wo: values(coated, wi, wo), cosines)
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
@@ -83,22 +40,9 @@ def test_a_smooth_coat_over_a_polished_metal_reflects_as_many_photons(index):
     np.testing.assert_allclose(found, photons, rtol=0.03)
 
 
-@pytest.mark.slow
-def test_a_dark_metal_of_a_dark_tint_is_never_negative():
-    """The mirror direction at 53 degrees, where the unclamped dip of f0 = 0 is deepest; the coat
-    takes what the base gives."""
-    dark = {"base_color": 0.0, "specular_color": 0.0, "base_metalness": 1.0}
-    bsdf = openpbr(**{k: {"type": "rgb", "value": v} if "color" in k else v
-                      for k, v in dark.items()}, coat_weight=1.0)  # fmt: skip
-    wi, wo = pairs(500)
-    wo[:250] = wi[:250] * [-1, -1, 1]
-    f = values(bsdf, wi, wo)
-    assert f.min() >= 0 and np.isfinite(f).all()
-
-
 def test_fuzz_seen_along_the_normal_is_the_limit_of_small_angles():
     """The normal has no azimuth. The fuzz is continuous: 1e-4 rad change f by 1e-3 at most."""
-    bsdf, wo = openpbr(fuzz_weight=1.0), pairs(200)[1]
+    bsdf, wo = loaded(fuzz_weight=1.0), pairs(200)[1]
     seen = [values(bsdf, np.tile(np.float32([x, 0, 1]), (200, 1)), wo) for x in (0, 1e-7, 1e-4)]
     np.testing.assert_allclose(seen[0], seen[1], rtol=1e-3)
     np.testing.assert_allclose(seen[0], seen[2], rtol=1e-3)
@@ -116,8 +60,8 @@ def test_a_film_changes_the_fresnel_term_of_metals_and_dielectrics():
         shared = dict(base_color=COLOR, base_metalness=metalness, specular_roughness=0.1)
         if not metalness:
             shared["base_weight"] = 0.0  # the interface alone
-        seen = values(openpbr(**shared, **film), wi, wi * [-1, 1, 1])
-        bare = values(openpbr(**shared), wi, wi * [-1, 1, 1])
+        seen = values(loaded(**shared, **film), wi, wi * [-1, 1, 1])
+        bare = values(loaded(**shared), wi, wi * [-1, 1, 1])
         layer = thin_film.Film(1.8, 1.8, 0.3)
         expected = [
             thin_film.reflectance(cosine, layer, x, response)
@@ -129,8 +73,8 @@ def test_a_film_changes_the_fresnel_term_of_metals_and_dielectrics():
 
 def test_no_coat_is_the_base_bit_for_bit():
     wi, wo = pairs(200)
-    plain = values(openpbr(base_color=COLOR), wi, wo)
-    without = openpbr(base_color=COLOR, coat_weight=0.0, coat_roughness=0.7, coat_ior=1.9)
+    plain = values(loaded(base_color=COLOR), wi, wo)
+    without = loaded(base_color=COLOR, coat_weight=0.0, coat_roughness=0.7, coat_ior=1.9)
     assert np.array_equal(plain, values(without, wi, wo))
 
 
@@ -140,9 +84,8 @@ def test_the_coats_weight_mixes_brdfs():
     wi, wo = pairs(200)
     base, half, full = (
         values(
-            openpbr(base_color=COLOR, base_metalness=1.0, coat_weight=weight, coat_roughness=0.4),
-            wi,
-            wo,
+            loaded(base_color=COLOR, base_metalness=1.0, coat_weight=weight, coat_roughness=0.4),
+            *(wi, wo),
         )
         for weight in (0.0, 0.25, 1.0)
     )
@@ -150,18 +93,15 @@ def test_the_coats_weight_mixes_brdfs():
 
 
 def test_the_reference_over_a_metal_is_the_walk():
-    color = (0.2, 0.5, 0.8)
-    parameters = {"coat_roughness": 0.3, "coat_color": COLOR, "energy_compensation": False}
-    wi, wo = pairs(300)
-    stack = urushi.coat(
-        urushi.conductor(0.04, color), 0.09, 1.6, sigma_t=-0.5 * np.log(np.array(color))
-    )
-    expected, _ = urushi.simulate(stack, wi, wo, walks=8192)
     shared = dict(base_color=COLOR, base_metalness=1.0, specular_roughness=0.2, coat_weight=1.0)
-    reference = values(openpbr(reference=True, **shared, **parameters), wi, wo, 1024)
+    shared |= dict(coat_roughness=0.3, coat_color=COLOR, energy_compensation=False)
+    wi, wo = pairs(300)
+    stack = urushi.coat(urushi.conductor(0.04, COLOR), 0.09, 1.6, sigma_t=-0.5 * np.log(COLOR))
+    expected, _ = urushi.simulate(stack, wi, wo, walks=8192)
+    reference = values(loaded(reference=True, **shared), wi, wo, 1024)
     # Noise of 2 %, and multiple scattering between the base's facets, which the walk leaves out.
     assert error(reference, expected, wi, wo) < 0.04
-    assert error(values(openpbr(**shared, **parameters), wi, wo), expected, wi, wo) < 0.05
+    assert error(values(loaded(**shared), wi, wo), expected, wi, wo) < 0.05
 
 
 FLAKES = dict(base_color=(0.05, 0.05, 0.06), base_metalness=1.0, specular_roughness=0.3)
@@ -199,8 +139,8 @@ def test_coats_agree_with_the_reference(name):
     shared = dict(base_color=COLOR, coat_weight=1.0, coat_color=(0.5, 0.9, 0.2), coat_roughness=0.4)
     shared |= parameters
     wi, wo = pairs(300)
-    reference = values(openpbr(reference=True, **shared), wi, wo, 2048)
-    own = openpbr(**shared)
+    reference = values(loaded(reference=True, **shared), wi, wo, 2048)
+    own = loaded(**shared)
     found = values(own, wi, wo)
     assert error(found, reference, wi, wo) < most
     weight = (wi[:, 2] * wo[:, 2])[:, None]
@@ -211,7 +151,7 @@ def test_coats_agree_with_the_reference(name):
 
 
 FILM = dict(thin_film_weight=0.8, thin_film_ior=1.34, specular_ior=1.6, coat_ior=1.65)
-BRIGHT = {"type": "rgb", "value": [0.98, 0.9, 0.85]}
+BRIGHT = (0.98, 0.9, 0.85)
 
 #: Materials, the parameter that becomes a texture, and their tier. The film reflects totally from
 #: another angle than the base, whose index is below the coat's.
@@ -234,17 +174,16 @@ def test_a_textured_material_is_the_constant_one(name):
     wi, wo = pairs(300)
     shared = dict(base_color=BRIGHT, coat_weight=1.0) | parameters
     value = shared[varying]
-    texture = nearly(*((value["value"], 3) if isinstance(value, dict) else (value,)))
-    constant = values(openpbr(**shared), wi, wo)
-    textured = values(openpbr(**shared | {varying: texture}), wi, wo)
+    texture = nearly(*((value, 3) if isinstance(value, tuple) else (value,)))
+    constant = values(loaded(**shared), wi, wo)
+    textured = values(loaded(**shared | {varying: texture}), wi, wo)
     assert error(textured, constant, wi, wo) < 0.1
 
 
 @pytest.mark.parametrize(("metalness", "rough"), [(1.0, 0.1), (1.0, 0.4), (0.5, 0.2), (0.0, 0.3)])
 def test_a_textured_surface_below_another_coat_is_the_walk(metalness, rough):
     """Albedos within 7 %: the coat takes the lobe of the surface's parameters, not a fitted one."""
-    data = np.array([[[0.1, 0.6, 0.2], [0.8, 0.35, 0.05]]], np.float32)
-    color = {"type": "bitmap", "bitmap": mi.Bitmap(data), "raw": True, "filter_type": "nearest"}
+    color = strip([0.1, 0.6, 0.2], [0.8, 0.35, 0.05], filter_type="nearest")
     surface = {"type": "openpbr", "base_color": color, "base_metalness": metalness}
     surface["specular_roughness"] = rough
     codes, walk = (
@@ -258,10 +197,9 @@ def test_a_textured_surface_below_another_coat_is_the_walk(metalness, rough):
 
 def test_fuzz_adds_and_hides():
     """At a coverage and a colour of one, a black base under fuzz reflects the fuzz's albedo."""
-    from urushi.openpbr_surface import formulas
-
-    black = {"type": "rgb", "value": [0, 0, 0]}
-    bsdf = openpbr(base_color=black, specular_weight=0.0, fuzz_weight=1.0, fuzz_roughness=0.4)
+    bsdf = loaded(
+        base_color=(0.0, 0.0, 0.0), specular_weight=0.0, fuzz_weight=1.0, fuzz_roughness=0.4
+    )
     for cosine in (0.9, 0.3):
         mean, se = albedo(bsdf, cosine)
         assert abs(mean - formulas.fuzz_albedo(cosine, 0.4, NUMPY)) < 4 * se + 0.02 * mean
@@ -270,18 +208,12 @@ def test_fuzz_adds_and_hides():
 @pytest.mark.parametrize("thin", [False, True])
 def test_light_that_is_traced_from_emitters_finds_the_same_fuzz(thin):
     """f of importance is f of radiance with its directions exchanged (Veach 1997, 3.7.6)."""
-    fuzz = dict(fuzz_weight=0.8, fuzz_color={"type": "rgb", "value": [0.9, 0.5, 0.2]})
-    bsdf, (wi, wo) = openpbr(geometry_thin_walled=thin, **fuzz), pairs(256)
-
-    def f(mode, wi, wo):
-        si = probing.interaction(wi, np.full((len(wi), 2), 0.5))
-        context = mi.BSDFContext(getattr(mi.TransportMode, mode))
-        f_cos, _ = bsdf.eval_pdf(context, si, mi.Vector3f(np.ascontiguousarray(wo.T)))
-        return f_cos.numpy().T / wo[:, 2:]
-
-    seen, exchanged = f("Radiance", wi, wo), f("Radiance", wo, wi)
+    fuzz = dict(fuzz_weight=0.8, fuzz_color=(0.9, 0.5, 0.2))
+    bsdf, (wi, wo) = loaded(geometry_thin_walled=thin, **fuzz), pairs(256)
+    seen, exchanged = values(bsdf, wi, wo), values(bsdf, wo, wi)
     assert np.abs(seen / exchanged - 1).max() > 0.05  # the fuzz is not reciprocal
-    np.testing.assert_allclose(f("Importance", wi, wo), exchanged, rtol=1e-4)
+    light = evaluated(bsdf, wi, wo, mode="Importance")[0]
+    np.testing.assert_allclose(light, exchanged, rtol=1e-4)
 
 
 def test_a_spectrum_is_its_colour_or_its_number():
@@ -289,70 +221,59 @@ def test_a_spectrum_is_its_colour_or_its_number():
     color = mi.load_dict(spectrum).eval(mi.SurfaceInteraction3f()).numpy().ravel()
     even = {"type": "spectrum", "value": 0.5}
     for name, given, expected in (
-        ("base_color", spectrum, {"type": "rgb", "value": color.tolist()}),
+        ("base_color", spectrum, tuple(color)),
         ("base_color", even, 0.5),
         ("specular_roughness", even, 0.5),
     ):
-        found = [values(openpbr(**{name: x}), *pairs(64)) for x in (given, expected)]
+        found = [values(loaded(**{name: x}), *pairs(64)) for x in (given, expected)]
         np.testing.assert_allclose(*found, rtol=1e-5)
+
+
+def direction(x, y, z):
+    """A map of one direction, as 0.5 n + 0.5."""
+    return strip(0.5 * np.float32([x, y, z]) + 0.5)
 
 
 @pytest.mark.slow
 def test_both_sides_opacity_and_a_normal_map_render():
-    texels = mi.TensorXf(np.tile(np.float32([0.5, 0.5, 1.0]), (2, 2, 1)))
-    flat = {"type": "bitmap", "raw": True, "data": texels}
     surface = {"type": "openpbr", "geometry_opacity": 0.5, "coat_weight": 1.0}
+    eye = mi.ScalarTransform4f().look_at([0, 0, 3], [0, 0, 0], [0, 1, 0])
+    film = {"type": "hdrfilm", "width": 4, "height": 4}
     for material in ({"type": "twosided", "bsdf": {"type": "openpbr"}}, surface):
-        scene = mi.load_dict(
-            {
-                "type": "scene",
-                "shape": {"type": "rectangle", "bsdf": material},
-                "light": {"type": "constant"},
-                "integrator": {"type": "path", "max_depth": 4},
-                "sensor": {
-                    "type": "perspective",
-                    "to_world": mi.ScalarTransform4f().look_at([0, 0, 3], [0, 0, 0], [0, 1, 0]),
-                    "film": {"type": "hdrfilm", "width": 4, "height": 4},
-                },
-            }
-        )
-        assert np.isfinite(np.array(mi.render(scene, spp=4))).all()
+        scene = {
+            "type": "scene",
+            "shape": {"type": "rectangle", "bsdf": material},
+            "light": {"type": "constant"},
+            "integrator": {"type": "path", "max_depth": 4},
+            "sensor": {"type": "perspective", "to_world": eye, "film": film},
+        }
+        assert np.isfinite(np.array(mi.render(mi.load_dict(scene), spp=4))).all()
     wi, wo = pairs(50)
-    mapped = openpbr(base_color=COLOR, geometry_normal=flat)
-    assert np.allclose(
-        values(mapped, wi, wo), values(openpbr(base_color=COLOR), wi, wo), rtol=2e-2, atol=1e-3
-    )
-
-
-def directions(x, y, z):
-    """A map of one direction, as 0.5 n + 0.5."""
-    texel = 0.5 * np.float32([x, y, z]) + 0.5
-    data = mi.TensorXf(np.tile(texel, (2, 2, 1)))
-    return {"type": "bitmap", "raw": True, "data": data}
+    mapped = values(loaded(base_color=COLOR, geometry_normal=direction(0, 0, 1)), wi, wo)
+    np.testing.assert_allclose(mapped, values(loaded(base_color=COLOR), wi, wo), 2e-2, 1e-3)
 
 
 @pytest.mark.parametrize("coat_weight", [0.0, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_a_tangent_across_turns_the_surface(coat_weight):
     shared = dict(base_color=COLOR, coat_weight=coat_weight, coat_roughness=0.3, **BRUSHED)
     wi, wo = pairs(200)
-    found = values(openpbr(geometry_tangent=directions(0, 1, 0), **shared), wi, wo)
+    found = values(loaded(geometry_tangent=direction(0, 1, 0), **shared), wi, wo)
     # Seen from the tangent's frame: x is along the shape's y axis.
     inside = [np.stack([w[:, 1], -w[:, 0], w[:, 2]], -1) for w in (wi, wo)]
-    expected = values(openpbr(**shared), *inside)
+    expected = values(loaded(**shared), *inside)
     assert np.allclose(found, expected, rtol=1e-3, atol=1e-5)
-    assert not np.allclose(found, values(openpbr(**shared), wi, wo), rtol=0.2)
+    assert not np.allclose(found, values(loaded(**shared), wi, wo), rtol=0.2)
 
 
 def test_a_coat_has_the_frame_of_the_base():
     wi, wo = pairs(50)
-    shared = dict(base_color=COLOR, coat_weight=1.0, coat_roughness=0.3)
-    shared |= dict(reference=True, energy_compensation=False)
+    shared = dict(base_color=COLOR, coat_weight=1.0, coat_roughness=0.3) | WALKS
 
     def mapped(coat_normal=None, **options):
-        normals = {"geometry_normal": directions(0.1, 0, 0.995)}
+        normals = {"geometry_normal": direction(0.1, 0, 0.995)}
         if coat_normal:
-            normals["geometry_coat_normal"] = directions(*coat_normal)
-        return openpbr(**shared, **normals, **options)
+            normals["geometry_coat_normal"] = direction(*coat_normal)
+        return loaded(**shared, **normals, **options)
 
     plain = values(mapped(), wi, wo)
     assert np.array_equal(values(mapped((0.1, 0, 0.995)), wi, wo), plain)
@@ -362,26 +283,24 @@ def test_a_coat_has_the_frame_of_the_base():
 
 
 def test_a_tangent_of_the_coat_alone_needs_an_isotropic_base():
-    shared = dict(coat_weight=1.0, coat_roughness_anisotropy=0.5)
-    shared |= dict(reference=True, energy_compensation=False)
-    openpbr(geometry_coat_tangent=directions(0, 1, 0), **shared)
+    shared = dict(coat_weight=1.0, coat_roughness_anisotropy=0.5) | WALKS
+    shared |= dict(geometry_coat_tangent=direction(0, 1, 0))
+    loaded(**shared)
     with pytest.raises(RuntimeError, match="geometry_coat_tangent differs from geometry_tangent"):
-        openpbr(
-            geometry_coat_tangent=directions(0, 1, 0), specular_roughness_anisotropy=0.5, **shared
-        )
+        loaded(specular_roughness_anisotropy=0.5, **shared)
 
 
 def test_reference_may_be_named_by_the_plugin_of_the_coat():
     wi, wo = pairs(64)
     shared = dict(coat_weight=1.0, coat_color=COLOR, energy_compensation=False)
-    walk, networks = (values(openpbr(reference=flag, **shared), wi, wo) for flag in (True, False))
-    assert np.array_equal(values(openpbr(reference="layered", **shared), wi, wo), walk)
-    assert np.array_equal(values(openpbr(reference="neural_layered", **shared), wi, wo), networks)
+    walk, networks = (values(loaded(reference=flag, **shared), wi, wo) for flag in (True, False))
+    assert np.array_equal(values(loaded(reference="layered", **shared), wi, wo), walk)
+    assert np.array_equal(values(loaded(reference="neural_layered", **shared), wi, wo), networks)
     assert not np.array_equal(walk, networks)
     with pytest.raises(RuntimeError, match="reference is 'yes'; choose one of neural_layered"):
-        openpbr(reference="yes")
+        loaded(reference="yes")
 
 
 def test_unknown_options_are_refused():
     with pytest.raises(RuntimeError, match='unsupported is "yes"'):
-        openpbr(unsupported="yes")
+        loaded(unsupported="yes")

@@ -1,18 +1,15 @@
 """What `openpbr` samples: weights, and that a vertex of a path is computed once."""
 
+from unittest.mock import Mock
+
 import mitsuba as mi
 import numpy as np
 import pytest
-
-from urushi.mitsuba.reading import probing
+from tests.openpbr_surface.probes import loaded, sampled, toward
 
 pytestmark = pytest.mark.usefixtures("rgb")
 
-COLOR = {"type": "rgb", "value": [0.2, 0.5, 0.8]}
-
-
-DARK = {"type": "rgb", "value": [0.02, 0.02, 0.02]}
-FUZZ = {"fuzz_weight": 1.0, "base_color": DARK}
+FUZZ = {"fuzz_weight": 1.0, "base_color": (0.02, 0.02, 0.02)}
 GLASS = {"transmission_weight": 1.0, "interior": True}
 FILM = {"thin_film_weight": 1.0, "thin_film_ior": 1.8, "thin_film_thickness": 0.4}
 
@@ -34,35 +31,19 @@ def test_no_sample_has_a_large_weight(parameters, most):
 
     Light from 20, 50, 65 and 80 degrees, on each side that light comes from.
     """
-    bsdf = mi.load_dict({"type": "openpbr", **parameters})
-    angles = np.repeat(np.radians([20.0, 50.0, 65.0, 80.0]), 1 << 14)
-    u = np.random.default_rng(4).random((3, len(angles)), np.float32)
-    modes = mi.TransportMode
-    context = mi.BSDFContext(modes.Importance if "interior" in parameters else modes.Radiance)
+    bsdf, mode = loaded(**parameters), "Importance" if "interior" in parameters else "Radiance"
     for side in (1, -1) if "interior" in parameters else (1,):
-        wi = np.stack([np.sin(angles), 0 * angles, side * np.cos(angles)], -1)
-        si = probing.interaction(wi, np.full((len(wi), 2), 0.5), np.arange(len(wi)))
-        _, weight = bsdf.sample(context, si, mi.Float(u[0]), mi.Point2f(u[1:]))
-        assert weight.numpy().max() < most
+        wi = np.stack([toward(side * np.cos(np.radians(x)), 0.0) for x in (20, 50, 65, 80)])
+        assert sampled(bsdf, wi, 1 << 14, mode=mode)[0].max() < most
 
 
 @pytest.mark.slow
 def test_a_path_computes_a_vertex_once(monkeypatch):
     """Light and continuation share the codes and the parameters of the vertex."""
-    bsdf = mi.load_dict({"type": "openpbr", "base_color": COLOR, "coat_weight": 1.0})
-    calls = []
-
-    def counted(thing, name):
-        original = getattr(thing, name)
-
-        def function(*args):
-            calls.append(name)
-            return original(*args)
-
-        monkeypatch.setattr(thing, name, function)
-
+    bsdf, calls = loaded(coat_weight=1.0), {}
     for name in ("_vertex", "_f_and_pdf"):
-        counted(bsdf.surface, name)
+        calls[name] = Mock(side_effect=getattr(bsdf.surface, name))
+        monkeypatch.setattr(bsdf.surface, name, calls[name])
     scene = mi.load_dict(
         {
             "type": "scene",
@@ -74,4 +55,5 @@ def test_a_path_computes_a_vertex_once(monkeypatch):
     )
     assert np.isfinite(np.array(mi.render(scene, spp=1))).all()
     # Towards the light and along the drawn direction, as often as the loop is recorded.
-    assert calls and calls.count("_f_and_pdf") == 2 * calls.count("_vertex")
+    assert calls["_vertex"].call_count
+    assert calls["_f_and_pdf"].call_count == 2 * calls["_vertex"].call_count

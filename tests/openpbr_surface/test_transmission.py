@@ -1,18 +1,28 @@
 """OpenPBR's bases that transmit light: energy, reciprocity, sampling, limits and bad input."""
 
+import itertools
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.mitsuba.probes import strip
+from tests.openpbr_surface.probes import (
+    WHITE,
+    anywhere,
+    interaction,
+    loaded,
+    sampled,
+    toward,
+    values,
+)
 
 import urushi
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY
 from urushi.errors import ParameterError
-from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface.formulas import subsurface_albedo
 from urushi.openpbr_surface.parameters import PARAMETERS
-from urushi.textures.store import ONE_TEXEL
 from urushi.walk.simulate import albedo
 
 pytestmark = pytest.mark.usefixtures("rgb")
@@ -21,8 +31,7 @@ GLASS = {"transmission_weight": 1.0, "specular_ior": 1.5}
 LEAF = {"geometry_thin_walled": True, "subsurface_weight": 1.0}
 PANE = {"geometry_thin_walled": True, "transmission_weight": 1.0}
 COAT = {"coat_weight": 1.0, "coat_roughness": 0.5, "specular_roughness": 0.4}
-WALKS = {"reference": True}
-WHITE = (1.0, 1.0, 1.0)
+WALKS = {"reference": True, "energy_compensation": False}
 
 #: Two-sided surfaces in closed form, and their indices below relative to above.
 CLOSED = {
@@ -36,74 +45,47 @@ CLOSED = {
 }
 
 
-def load(values, **options):
-    surface = urushi.openpbr(**values, **options).description()
-    return mi.load_dict(surface | {"interior": True})
+def load(material, **options):
+    return loaded(interior=True, **material, **options)
 
 
-def sampled(bsdf, degrees, count=1 << 16, radiance=False, azimuth=36.87, uv=(0.5, 0.5)):
+def cosine_of(degrees):
+    return np.cos(np.radians(degrees))
+
+
+def light(bsdf, degrees, count=1 << 16, azimuth=36.87, uv=(0.5, 0.5)):
     """Weights (C, N) and directions (N, 3) of samples for light of an angle to the upper normal."""
-    theta, phi = np.radians(degrees), np.radians(azimuth)
-    wi = np.array([np.cos(phi) * np.sin(theta), np.sin(phi) * np.sin(theta), np.cos(theta)])
-    index = np.arange(count)
-    si = probing.interaction(np.tile(wi, (count, 1)), np.tile(uv, (count, 1)), index)
-    u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
-    mode = mi.TransportMode.Radiance if radiance else mi.TransportMode.Importance
-    bs, weight = bsdf.sample(mi.BSDFContext(mode), si, mi.Float(u[0]), mi.Point2f(u[1], u[2]))
-    return weight.numpy(), bs.wo.numpy().T
-
-
-def evaluated(bsdf, wi, wo, mode="Radiance"):
-    """f (N, 3) [1/sr] at directions on any sides."""
-    wi, wo = (np.asarray(w, np.float32) for w in (wi, wo))
-    si = probing.interaction(wi, np.full((len(wi), 2), 0.5), np.arange(len(wi)))
-    context = mi.BSDFContext(getattr(mi.TransportMode, mode))
-    values = bsdf.eval(context, si, mi.Vector3f(np.ascontiguousarray(wo.T)))
-    return values.numpy().T / np.abs(wo[:, 2:])
-
-
-def directions(count, seed):
-    """(N, 3) on the sphere, none at the horizon."""
-    w = np.random.default_rng(seed).normal(size=(count, 3))
-    w /= np.linalg.norm(w, axis=1, keepdims=True)
-    return w[np.abs(w[:, 2]) > 0.1]
+    weight, wo = sampled(bsdf, toward(cosine_of(degrees), azimuth), count, uv)
+    return weight[0].T, wo[0]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("surface", "name"),
+    ("surface", "etched", "angles", "count"),
     [
-        (PANE, "specular_roughness"),
-        (GLASS | COAT, "specular_roughness"),
-        (GLASS | COAT, "coat_roughness"),
+        (PANE, "specular_roughness", (30, 70, 110), 1 << 14),
+        (GLASS | COAT, "specular_roughness", (30, 70, 110), 1 << 14),
+        (GLASS | COAT, "coat_roughness", (30, 70, 110), 1 << 14),
+        (PANE | {"specular_roughness": 0.6, "specular_roughness_anisotropy": 0.9}, None, (72,),
+         1 << 20),
     ],
-)
-def test_clear_and_etched_texels_lose_no_light(surface, name):
-    """Within 2 %, as the loss is linear between nine roughnesses, and four standard errors: narrow
-    coats are noisy from inside. The middle of uv is rough."""
-    texels = np.float32([[0.05, 0.9]])[..., None]
-    etched = {"type": "bitmap", "raw": True, "filter_type": "nearest", "bitmap": mi.Bitmap(texels)}
-    bsdf = load(surface | {name: mi.load_dict(etched)})
-    for u in (0.25, 0.75):
-        for degrees in (30, 70, 110):
-            weight = sampled(bsdf, degrees, 1 << 14, uv=(u, 0.5))[0][0]
-            assert abs(weight.mean() - 1) < 0.02 + 4 * weight.std() / len(weight) ** 0.5
-
-
-@pytest.mark.slow
-def test_brushed_panes_lose_no_light_at_any_azimuth():
-    """Within 2 %, as the loss is linear between five azimuths, and four standard errors."""
-    brushed = {"specular_roughness": 0.6, "specular_roughness_anisotropy": 0.9}
-    bsdf = load(PANE | brushed)
-    for azimuth in (0.0, 45.0, 90.0):
-        weight = sampled(bsdf, 72, 1 << 20, azimuth=azimuth)[0][0]
-        assert abs(weight.mean() - 1) < 0.02 + 4 * weight.std() / len(weight) ** 0.5
+)  # fmt: skip
+def test_panes_and_coats_lose_no_light(surface, etched, angles, count):
+    """Clear and etched texels, and brushed panes at any azimuth: within 2 %, as the loss is linear
+    between nine roughnesses and between five azimuths, and four standard errors: narrow coats are
+    noisy from inside. The middle of uv is rough."""
+    texture = {etched: strip(0.05, 0.9, filter_type="nearest")} if etched else {}
+    bsdf, azimuths = load(surface | texture), (36.87,) if etched else (0.0, 45.0, 90.0)
+    texels = (0.25, 0.75) if etched else (0.5,)
+    for u, degrees, azimuth in itertools.product(texels, angles, azimuths):
+        weight = light(bsdf, degrees, count, azimuth, (u, 0.5))[0][0]
+        assert abs(weight.mean() - 1) < 0.02 + 4 * weight.std() / count**0.5
 
 
 @pytest.mark.parametrize("name", ["glass", "thinner", "film", "half a metal", "leaf"])
 def test_samples_follow_the_density_on_the_sphere(sampling, name):
-    values, index = CLOSED[name]
-    bsdf = load(values)
+    material, index = CLOSED[name]
+    bsdf = load(material)
     for seed, degrees in enumerate((20, 70, 110, 160)):
         test = sampling.chi_squared(bsdf, degrees, seed, index)
         assert test.run(0.01, test_count=20, quiet=True), test.messages
@@ -113,7 +95,7 @@ def test_samples_follow_the_density_on_the_sphere(sampling, name):
 def test_filmed_glass_is_sampled_as_it_reflects(degrees):
     """The share of the samples that are reflected is that of the light, by the film's mean."""
     film = {"thin_film_weight": 1.0, "thin_film_ior": 2.4, "thin_film_thickness": 0.3}
-    weight, wo = sampled(load(GLASS | film | {"specular_roughness": 0.3}), degrees)
+    weight, wo = light(load(GLASS | film | {"specular_roughness": 0.3}), degrees)
     reflected = (wo[:, 2] > 0) == (degrees < 90)
     assert reflected.mean() > 0.1  # 0.04 without the film
     assert np.mean(weight * reflected) == pytest.approx(reflected.mean(), abs=0.01)
@@ -123,22 +105,14 @@ def test_rough_glass_is_that_of_mitsuba():
     """But for light that meets a second facet, which `roughdielectric` loses: up to 0.07 from
     inside, at grazing angles."""
     mine = load(GLASS | {"specular_roughness": 0.25})
-    theirs = mi.load_dict(
-        {
-            "type": "roughdielectric",
-            "distribution": "ggx",
-            "alpha": 0.0625,
-            "int_ior": 1.5,
-            "ext_ior": 1.0,
-        }
-    )
-    wi, half = directions(400, 3), directions(400, 4)
-    wi, half = wi[:300], half[:300]
+    described = {"type": "roughdielectric", "distribution": "ggx", "alpha": 0.0625}
+    theirs = mi.load_dict(described | {"int_ior": 1.5, "ext_ior": 1.0})
+    wi, half = (anywhere(300, seed)[0] for seed in (3, 4))
     wo = 2 * (wi * half).sum(1, keepdims=True) * half - wi
     wo = np.where(np.arange(len(wo))[:, None] % 2, -wi * [0.7, 0.7, 1] + 0.1 * half, wo)
     wo /= np.linalg.norm(wo, axis=1, keepdims=True)
     keep = np.abs(wo[:, 2]) > 0.2
-    one, other = (evaluated(bsdf, wi[keep], wo[keep]) for bsdf in (mine, theirs))
+    one, other = (values(bsdf, wi[keep], wo[keep]) for bsdf in (mine, theirs))
     assert (other > 0.3).sum() > 50
     np.testing.assert_allclose(one, other, rtol=0.02, atol=0.08)
     assert np.all(one > other * (1 - 1e-3) - 1e-4)
@@ -148,8 +122,8 @@ def test_a_smooth_pane_has_the_shares_of_thindielectric():
     """The sum over all reflections inside is 2 R / (1 + R) (Fresnel); tables are within 1 %."""
     bsdf = load(PANE | {"specular_roughness": 0.0, "specular_ior": 1.5}, energy_compensation=False)
     for degrees in (10, 50, 130):
-        weight, wo = sampled(bsdf, degrees)
-        once = float(fresnel.dielectric(np.array(abs(np.cos(np.radians(degrees)))), 1.5, NUMPY)[0])
+        weight, wo = light(bsdf, degrees)
+        once = float(fresnel.dielectric(np.array(abs(cosine_of(degrees))), 1.5, NUMPY)[0])
         reflected = (wo[:, 2] > 0) == (degrees < 90)
         expected = 2 * once / (1 + once)
         assert np.mean(weight[0] * reflected) == pytest.approx(expected, abs=0.01)
@@ -159,40 +133,28 @@ def test_a_smooth_pane_has_the_shares_of_thindielectric():
 def test_a_leaf_splits_its_colour_as_the_specification_says():
     """Shares (1 - g) / 2 and (1 + g) / 2 of the light that its interface passes. Along the normal,
     without an interface, it is the diffuse transmission of `principledthin`."""
-    values = LEAF | {"subsurface_color": (0.2, 0.5, 0.8), "subsurface_scatter_anisotropy": 0.5}
-    weight, wo = sampled(load(values), 40)
-    through = wo[:, 2] < 0
-    black = LEAF | {"subsurface_color": (0.0, 0.0, 0.0)}
-    passed = 1 - sampled(load(black), 40)[0].mean()
     color = np.array([0.2, 0.5, 0.8])
-    assert (weight * through).mean(1) == pytest.approx(0.75 * color * passed, rel=0.02)
-    bare = load(values | {"specular_weight": 0.0})
-    theirs = mi.load_dict(
-        {
-            "type": "principledthin",
-            "base_color": {"type": "rgb", "value": [0.2, 0.5, 0.8]},
-            "diff_trans": 1.5,
-            "spec_trans": 0.0,
-            "eta": 1.001,
-            "roughness": 0.5,
-        }
-    )
+    colored = LEAF | {"subsurface_color": tuple(color), "subsurface_scatter_anisotropy": 0.5}
+    weight, wo = light(load(colored), 40)
+    passed = 1 - light(load(LEAF | {"subsurface_color": (0.0, 0.0, 0.0)}), 40)[0].mean()
+    assert (weight * (wo[:, 2] < 0)).mean(1) == pytest.approx(0.75 * color * passed, rel=0.02)
+    bare = load(colored | {"specular_weight": 0.0})
+    thin = {"type": "principledthin", "base_color": {"type": "rgb", "value": [0.2, 0.5, 0.8]}}
+    thin |= {"diff_trans": 1.5, "spec_trans": 0.0, "eta": 1.001, "roughness": 0.5}
     normal = np.array([[0, 0, 1.0]])
-    f = evaluated(bare, normal, -normal)
-    np.testing.assert_allclose(f, evaluated(theirs, normal, -normal), rtol=0.01)
+    f, theirs = (values(x, normal, -normal) for x in (bare, mi.load_dict(thin)))
+    np.testing.assert_allclose(f, theirs, rtol=0.01)
 
 
 def test_the_tint_is_met_once_on_the_way_through_a_coated_body():
     """Walks are the same for all tints: light that crosses the body's surface once has the factor
     of the tint, light from below that comes back from the coat its square."""
     color = (0.25, 0.5, 1.0)
-    options = dict(reference=True, energy_compensation=False)
-    plain, tinted = (
-        load(GLASS | COAT | {"transmission_color": c}, **options) for c in (WHITE, color)
+    plain, tinted, dark = (
+        load(GLASS | COAT | WALKS | {"transmission_color": c}) for c in (WHITE, color, (0.0,) * 3)
     )
-    dark = load(GLASS | COAT | {"transmission_color": (0.0, 0.0, 0.0)}, **options)
-    wi, wo = (w[:100] for w in (directions(200, 5), directions(200, 6)))
-    f, g, first = (evaluated(bsdf, wi, wo) for bsdf in (plain, tinted, dark))
+    wi, wo = anywhere(100, 5)
+    f, g, first = (values(bsdf, wi, wo) for bsdf in (plain, tinted, dark))
     crosses = (wi[:, 2] > 0).astype(int) + (wo[:, 2] > 0)  # 1: through
     for kind, power in ((2, 0), (1, 1), (0, 2)):
         at = crosses == kind
@@ -203,15 +165,12 @@ def test_the_tint_is_met_once_on_the_way_through_a_coated_body():
 
 def test_a_coated_body_is_a_slab():
     """Without compensation it is `urushi.slab` of the same interfaces, from both sides."""
-    values = GLASS | COAT | {"coat_ior": 1.6, "coat_color": (0.5, 0.5, 0.5)}
-    bsdf = load(values, reference=True, energy_compensation=False)
+    bsdf = load(GLASS | COAT | WALKS | {"coat_ior": 1.6, "coat_color": (0.5, 0.5, 0.5)})
     far = urushi.dielectric(0.16, 1.5 / 1.6)
     slab = urushi.slab(0.25, 1.6, sigma_t=0.5 * np.log(2), far=far)
     for degrees in (30, 130):
-        theta = np.radians(degrees)
-        wi = [[0.8 * np.sin(theta), 0.6 * np.sin(theta), np.cos(theta)]]
-        weight, wo = sampled(bsdf, degrees, 1 << 17)
-        through = (wo[:, 2] > 0) != (degrees < 90)
+        weight, wo = light(bsdf, degrees, 1 << 17)
+        through, wi = (wo[:, 2] > 0) != (degrees < 90), [toward(cosine_of(degrees))]
         for transmitted in (False, True):
             expected, se = albedo(slab, wi, walks=1 << 16, transmitted=transmitted)
             found = np.where(through == transmitted, weight[0], 0)
@@ -221,12 +180,12 @@ def test_a_coated_body_is_a_slab():
 
 def test_the_medium_of_a_body():
     """Beer's law at transmission_depth; absorption is shifted to have no negative channel."""
-    values = GLASS | {"transmission_color": (0.5, 0.25, 0.1), "transmission_depth": 2.0}
-    medium = urushi.openpbr(**values).on({"type": "sphere"})["interior"]
+    deep = GLASS | {"transmission_color": (0.5, 0.25, 0.1), "transmission_depth": 2.0}
+    medium = urushi.openpbr(**deep).on({"type": "sphere"})["interior"]
     sigma = medium["scale"] * np.array(medium["sigma_t"]["value"])
     assert np.exp(-2 * sigma) == pytest.approx([0.5, 0.25, 0.1])
     assert medium["albedo"]["value"] == [0, 0, 0]
-    cloudy = urushi.openpbr(**values, transmission_scatter=(1.0, 0.2, 0.2)).interior()
+    cloudy = urushi.openpbr(**deep, transmission_scatter=(1.0, 0.2, 0.2)).interior()
     sigma, single = (np.array(cloudy[name]["value"]) for name in ("sigma_t", "albedo"))
     sigma = cloudy["scale"] * sigma
     assert sigma * single == pytest.approx([0.5, 0.1, 0.1])
@@ -245,7 +204,7 @@ def test_the_medium_of_a_body():
 
 
 @pytest.mark.parametrize(
-    ("values", "surface"),
+    ("material", "surface"),
     [
         (
             {"subsurface_weight": 0.8, "subsurface_color": (0.2, 0.1, 0.5), "base_weight": 0.5},
@@ -259,22 +218,20 @@ def test_the_medium_of_a_body():
     ],
     ids=["subsurface", "depth", "scatter"],
 )
-def test_a_bsdf_alone_has_no_medium(values, surface):
+def test_a_bsdf_alone_has_no_medium(material, surface):
     """It is refused; where that is ignored, the body has no depth: its colours are the surface's.
 
     The base of subsurface_color is a mixture by subsurface_weight (OpenPBR Surface 1.1.1, 3.2.3).
     """
-    alone = urushi.openpbr(**values)
+    alone = urushi.openpbr(**material)
     shape = alone.on({"type": "sphere"})
     assert mi.load_dict(shape).interior_medium() is not None
     with pytest.raises(RuntimeError, match="the medium inside of a body, and a BSDF has none"):
         alone.bsdf()
-    ignored = mi.load_dict(urushi.openpbr(**values, unsupported="ignore").description())
-    wi, wo = directions(200, 1)[:80], directions(200, 2)[:80]
+    ignored, (wi, wo) = loaded(**material, unsupported="ignore"), anywhere(80, 1)
     wi[:, 2] = np.abs(wi[:, 2])
-    np.testing.assert_allclose(
-        evaluated(ignored, wi, wo), evaluated(load(surface), wi, wo), rtol=1e-4, atol=1e-6
-    )
+    found, expected = (values(bsdf, wi, wo) for bsdf in (ignored, load(surface)))
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-6)
 
 
 def test_clear_bodies_and_thin_walls_need_no_medium():
@@ -315,23 +272,24 @@ EDITED = {
 @pytest.mark.parametrize("reference", [False, True])
 def test_every_edit_of_a_parameter_is_followed(name, reference):
     """The surface is the one that is loaded with the last value."""
-    values, parameter, edits = EDITED[name]
-    options = dict(specular_roughness=0.4, reference=reference, energy_compensation=False)
-    bsdf, kind = load(values | options), mi.Color3f if "color" in parameter else mi.Float
-    wi, wo = directions(400, 1)[:80], directions(400, 2)[:80]
+    material, parameter, edits = EDITED[name]
+    material = material | dict(
+        specular_roughness=0.4, reference=reference, energy_compensation=False
+    )
+    bsdf, (wi, wo) = load(material), anywhere(80, 1)
     params, results = mi.traverse(bsdf), []
     for value in edits:
-        params[f"{parameter}.value"] = kind(value)
-        params.update()
         given = (value,) * 3 if "color" in parameter else value
-        expected = evaluated(load(values | options | {parameter: given}), wi, wo)
-        results.append(evaluated(bsdf, wi, wo))
+        params[f"{parameter}.value"] = (mi.Color3f if "color" in parameter else mi.Float)(value)
+        params.update()
+        results.append(values(bsdf, wi, wo))
+        expected = values(load(material | {parameter: given}), wi, wo)
         np.testing.assert_allclose(results[-1], expected, rtol=2e-3, atol=1e-6)
     assert not np.allclose(*results, rtol=0.01)
 
 
 @pytest.mark.parametrize(
-    ("values", "names"),
+    ("material", "names"),
     [
         ({}, {"base_color", "coat_color", "thin_film_weight", "fuzz_weight"}),
         (COAT | WALKS, {"base_color", "coat_color", "coat_ior", "specular_color"}),
@@ -341,8 +299,8 @@ def test_every_edit_of_a_parameter_is_followed(name, reference):
     ],
     ids=["opaque", "coat", "glass", "coated pane", "half a leaf"],
 )
-def test_traverse_lists_parameters_by_their_names(values, names):
-    bsdf = load(values | {"energy_compensation": False})
+def test_traverse_lists_parameters_by_their_names(material, names):
+    bsdf = load(material | {"energy_compensation": False})
     keys = {*mi.traverse(bsdf).keys()} - {"latents", "table"}
     assert all(key.endswith(".value") for key in keys)
     found = {key.removesuffix(".value") for key in keys}
@@ -350,7 +308,7 @@ def test_traverse_lists_parameters_by_their_names(values, names):
 
 
 @pytest.mark.parametrize(
-    ("values", "sentence"),
+    ("material", "sentence"),
     [
         (
             GLASS | {"transmission_dispersion_scale": 1.0},
@@ -362,11 +320,11 @@ def test_traverse_lists_parameters_by_their_names(values, names):
         (GLASS | COAT | {"thin_film_weight": 0.5}, "thin_film_weight needs a thin film inside"),
     ],
 )
-def test_what_is_missing_is_refused_or_left_out(values, sentence):
+def test_what_is_missing_is_refused_or_left_out(material, sentence):
     with pytest.raises(RuntimeError, match=sentence):
-        load(values)
-    if "thin_film_weight" not in values:
-        assert load(values, unsupported="ignore") is not None
+        load(material)
+    if "thin_film_weight" not in material:
+        assert load(material, unsupported="ignore") is not None
 
 
 def test_bodies_need_one_index_that_bends_light():
@@ -406,43 +364,40 @@ UNSEEN = {
 @pytest.mark.parametrize("degrees", [0, 50, 130])
 def test_light_goes_straight_through_an_index_of_one(name, degrees):
     """By Beer's law (OpenPBR Surface 1.1.1: transmission_color is seen along the normal)."""
-    values, share, surface, medium = UNSEEN[name]
-    bsdf, cosine = load(values), abs(np.cos(np.radians(degrees)))
+    material, share, surface, medium = UNSEEN[name]
+    bsdf, cosine = load(material), abs(cosine_of(degrees))
     passed = share * surface * medium ** (1 / cosine)
-    weight, wo = sampled(bsdf, degrees, 1 << 12)
-    straight = np.abs(wo[:, 2] + np.cos(np.radians(degrees))) < 1e-4
+    weight, wo = light(bsdf, degrees, 1 << 12)
+    straight = np.abs(wo[:, 2] + cosine_of(degrees)) < 1e-4
     assert np.mean(straight) == pytest.approx(share, abs=0.01)
     assert np.mean(weight * straight) == pytest.approx(passed, rel=0.01)
-    si = probing.interaction(np.float32([[(1 - cosine**2) ** 0.5, 0, cosine]]), ONE_TEXEL.uv())
+    si = interaction(toward(cosine)[None])
     assert bsdf.eval_null_transmission(si).numpy() == pytest.approx(passed, rel=1e-4)
     if share == 1:
-        other = directions(100, 1)
-        assert not evaluated(bsdf, np.tile([0.6, 0, 0.8], (len(other), 1)), other).any()
+        assert not values(bsdf, np.tile([0.6, 0, 0.8], (100, 1)), anywhere(100, 1)[0]).any()
 
 
 def test_a_pane_appears_and_disappears_with_its_index():
-    bsdf = load(PANE | {"reference": True, "energy_compensation": False})
+    bsdf = load(PANE | WALKS)
     params = mi.traverse(bsdf)
     for index in (1.0, 1.5):
         params["specular_ior.value"] = index
         params.update()
         assert mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null) == (index == 1)
-        assert sampled(bsdf, 30, 1 << 13)[0].mean() == pytest.approx(1, abs=0.03)
+        assert light(bsdf, 30, 1 << 13)[0].mean() == pytest.approx(1, abs=0.03)
 
 
 def test_a_coat_of_index_one_on_a_pane_is_its_medium():
     """Two coats dim what goes through by Beer's law; the surfaces of the pane alone bend light."""
-    shared = PANE | {"specular_roughness": 0.3, "reference": True, "energy_compensation": False}
-    bare, coated = load(shared), load(shared | INDEX_ONE)
-    wi, wo = np.float32([[0.3, 0, 0.954]]), np.float32([[-0.3, 0, -0.954]])
-    many = [np.tile(w, (1 << 12, 1)) for w in (wi, wo)]
-    first, second = (evaluated(bsdf, *many).mean() for bsdf in (bare, coated))
+    shared = PANE | WALKS | {"specular_roughness": 0.3}
+    wi, wo = np.array([[0.3, 0, 0.954]]), np.array([[-0.3, 0, -0.954]])
+    first, second = (values(load(x), wi, wo, 1 << 12).mean() for x in (shared, shared | INDEX_ONE))
     assert second / first == pytest.approx(0.6 ** (1 / 0.954), rel=0.05)
 
 
 @pytest.mark.parametrize("name", ["specular_roughness", "specular_ior"])
 def test_derivatives_of_slabs_are_refused_by_the_parameter(name):
-    bsdf = load(PANE | {"reference": True, "energy_compensation": False})
+    bsdf = load(PANE | WALKS)
     params = mi.traverse(bsdf)
     dr.enable_grad(params[f"{name}.value"])
     with pytest.raises(ParameterError, match=f"openpbr: {name} carries gradients"):
@@ -450,42 +405,38 @@ def test_derivatives_of_slabs_are_refused_by_the_parameter(name):
 
 
 @pytest.mark.parametrize(
-    "values", [GLASS, LEAF | {"subsurface_color": (0.5,) * 3}], ids=["glass", "leaf"]
+    ("material", "name"),
+    [(GLASS, "specular_roughness"), (LEAF | {"subsurface_color": (0.5,) * 3}, "subsurface_color")],
+    ids=["glass", "leaf"],
 )
-def test_closed_forms_have_derivatives(values):
+def test_closed_forms_have_derivatives(material, name):
     """Against differences of f in single precision."""
-    bsdf = load(values | {"specular_roughness": 0.5})
+    bsdf, key, step = load({"specular_roughness": 0.5} | material), f"{name}.value", 0.01
     params = mi.traverse(bsdf)
     wi, wo = np.array([[0.3, 0.1, 0.949]]), np.array([[-0.1, -0.3, -0.949]])
-    name = "color" if "geometry_thin_walled" in values else "roughness"
-    key = next(
-        key for key, _ in params if key.endswith(f"{name}.value") and "specular_c" not in key
-    )
-    value, step = type(params[key])(params[key]), 0.01
-    found = []
+    value, found = type(params[key])(params[key]), []
     for change in (-step, step):
         params[key] = value + change
         params.update()
-        found.append(evaluated(bsdf, wi, wo)[0, 0])
+        found.append(values(bsdf, wi, wo)[0, 0])
     params[key] = value
     dr.enable_grad(params[key])
     params.update()
-    si = probing.interaction(wi.astype(np.float32), np.full((1, 2), 0.5))
-    f = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(wo[0].tolist()))[0] / abs(wo[0, 2])
-    dr.backward(f)
+    f = bsdf.eval(mi.BSDFContext(), interaction(wi), mi.Vector3f(wo[0].tolist()))[0]
+    dr.backward(f / abs(wo[0, 2]))
     slope = np.sum(np.array(dr.grad(params[key])))
     assert slope == pytest.approx((found[1] - found[0]) / (2 * step), rel=0.03, abs=1e-3)
 
 
 @pytest.mark.parametrize("variant", ["llvm_ad_mono", "llvm_ad_spectral"])
 def test_grey_surfaces_are_the_same_in_all_variants(variant):
-    wi, wo = directions(60, 7)[:40], directions(60, 8)[:40]
+    wi, wo = anywhere(40, 7)
     names = ("glass", "skin", "half", "leaf")
-    colors = [evaluated(load(CLOSED[name][0]), wi, wo) for name in names]
+    colors = [values(load(CLOSED[name][0]), wi, wo) for name in names]
     mi.set_variant(variant)
     try:
         for name, expected in zip(names, colors, strict=True):
-            found = evaluated(load(CLOSED[name][0]), wi, wo)
+            found = values(load(CLOSED[name][0]), wi, wo)
             np.testing.assert_allclose(found[:, 0], expected[:, 0], rtol=0.01, atol=1e-4)
     finally:
         mi.set_variant("llvm_ad_rgb")

@@ -17,6 +17,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from tests.mitsuba.probes import strip
+from tests.openpbr_surface.probes import PARTS, evaluated, interaction, quadrature, sampled
 
 import urushi
 from urushi.checks import AIR
@@ -156,17 +157,6 @@ def directions(material: Coated) -> np.ndarray:
     return np.array(rows)
 
 
-def interaction(wi: np.ndarray, place=PLACE):
-    """Surface interactions seen from wi (N, 3), each with random numbers of its own."""
-    si = probing.interaction(wi, np.tile(place, (len(wi), 1)), np.arange(len(wi)))
-    si.t = 1.0
-    return si
-
-
-#: Parts of the samples or walks whose spread gives the noise.
-PARTS = 16
-
-
 def shares(light: np.ndarray, through: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Reflected and transmitted light (2, N) of contributions (N, `PARTS`, S), and their noise.
 
@@ -179,55 +169,18 @@ def shares(light: np.ndarray, through: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 def by_samples(bsdf, wi: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """`shares` of the light from wi (N, 3) by `sample`."""
-    index = np.tile(np.arange(count), len(wi))
-    u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
-    rows, shape = np.repeat(wi, count, axis=0), (len(wi), PARTS, -1)
-    context = mi.BSDFContext(mi.TransportMode.Importance)
-    bs, weight = bsdf.sample(context, interaction(rows), mi.Float(u[0]), mi.Point2f(u[1], u[2]))
-    through = bs.wo.numpy()[2] * rows[:, 2] < 0
-    return shares(weight[0].numpy().reshape(shape) / count, through.reshape(shape))
-
-
-#: Power of the map of the quadrature: cells are densest about the mirrored and the straight light.
-CROWDING = 4
-
-
-def quadrature(w: np.ndarray, across: float | None, side: int) -> tuple[np.ndarray, np.ndarray]:
-    """Directions (`PARTS`, S, 3) and solid angles (`PARTS`, S) for light from w.
-
-    Each part has all cells, and another point in each.
-
-    across: index below relative to that above; None: light is only reflected.
-    side: cells along the polar angle; twice as many are along the azimuth.
-    """
-    shifts = (np.arange(PARTS)[:, None] * [0.75488, 0.56984]) % 1
-    x = ((np.arange(2 * side) + shifts[:, :1]) / side - 1)[:, :, None]
-    y = ((np.arange(side) + shifts[:, 1:]) / side * 2 - 1)[:, None]
-    azimuth, theta, wo, cells = np.arctan2(w[1], w[0]), np.arccos(abs(w[2])), [], []
-    centres = [(theta, 1)]
-    if across is not None:
-        ratio = across if w[2] < 0 else 1 / across
-        centres.append((np.arcsin(min(np.sin(theta) * ratio, 0.95)), -1))
-    for centre, far in centres:
-        room = np.where(y > 0, np.pi / 2 - centre, centre)
-        polar = centre + np.sign(y) * room * np.abs(y) ** CROWDING
-        turn = np.pi * (1 + np.sign(x) * np.abs(x) ** CROWDING) + azimuth
-        slope = CROWDING**2 * np.abs(x * y) ** (CROWDING - 1) * np.pi * room
-        up = far * np.sign(w[2]) * np.cos(polar)
-        parts = np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), up
-        wo.append(np.stack(np.broadcast_arrays(*parts), -1).reshape(PARTS, -1, 3))
-        cells.append((slope * np.sin(polar) * 2 / side**2).reshape(PARTS, -1))
-    return np.concatenate(wo, axis=1), np.concatenate(cells, axis=1) / PARTS
+    weight, wo = sampled(bsdf, wi, count, PLACE)
+    light, through = weight[..., 0] / count, wo[..., 2] * wi[:, None, 2] < 0
+    return shares(*(x.reshape(len(wi), PARTS, -1) for x in (light, through)))
 
 
 def by_values(bsdf, material: Coated, wi: np.ndarray, side: int) -> tuple[np.ndarray, np.ndarray]:
     """`shares` of the light from wi (N, 3) by a `quadrature` of `eval`."""
     across = material.across if material.transmits else None
     wo, cells = (np.stack(x) for x in zip(*(quadrature(w, across, side) for w in wi), strict=True))
-    rows, out = np.repeat(wi, wo[0].size // 3, axis=0), np.float32(wo.reshape(-1, 3).T)
-    context = mi.BSDFContext(mi.TransportMode.Importance)
-    f_cos = bsdf.eval(context, interaction(rows), mi.Vector3f(np.ascontiguousarray(out)))
-    light = f_cos[0].numpy().reshape(cells.shape) * cells
+    rows, out = np.repeat(wi, wo[0].size // 3, axis=0), wo.reshape(-1, 3)
+    f = evaluated(bsdf, rows, out, PLACE, "Importance")[0][:, 0]
+    light = (f * np.abs(out[:, 2])).reshape(cells.shape) * cells
     return shares(light, wo[..., 2] * wi[:, None, None, 2] < 0)
 
 
@@ -394,9 +347,7 @@ def pairs(material: Coated, count: int = 36) -> tuple[np.ndarray, np.ndarray]:
 def f(bsdf, wi: np.ndarray, wo: np.ndarray, repeats: int = 1) -> np.ndarray:
     """Radiance [1/sr] (repeats, N) at pairs (N, 3), without a cosine."""
     wi, wo = (np.tile(w, (repeats, 1)) for w in (wi, wo))
-    out = mi.Vector3f(np.ascontiguousarray(np.float32(wo.T)))
-    values = bsdf.eval(mi.BSDFContext(), interaction(wi), out)[0].numpy()
-    return (values / np.abs(wo[:, 2])).reshape(repeats, -1)
+    return evaluated(bsdf, wi, wo, PLACE)[0][:, 0].reshape(repeats, -1)
 
 
 @cases(
@@ -460,14 +411,14 @@ def test_wrappers_change_nothing(form, name):
     leave=lambda form, name: "rough on" not in name,
 )
 def test_calls_agree(form, name):
-    """`eval_pdf`, one lane, and a loop that is recorded give the value of `eval`."""
+    """`eval`, one lane, and a loop that is recorded give the value of `eval_pdf`."""
     material = TABLE[name]
     bsdf, (wi, wo) = mi.load_dict(FORMS[form](material)), pairs(material)
     expected, context = f(bsdf, wi, wo)[0], mi.BSDFContext()
     out = mi.Vector3f(np.ascontiguousarray(np.float32(wo.T)))
-    together = bsdf.eval_pdf(context, interaction(wi), out)[0][0].numpy() / np.abs(wo[:, 2])
-    np.testing.assert_allclose(together, expected, rtol=1e-5)
-    si = interaction(wi)
+    si = interaction(wi, PLACE)
+    alone = bsdf.eval(context, si, out)[0].numpy() / np.abs(wo[:, 2])
+    np.testing.assert_allclose(alone, expected, rtol=1e-5)
 
     def add(index, total):
         return index + 1, total + bsdf.eval(context, si, out)[0]

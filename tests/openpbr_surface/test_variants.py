@@ -4,6 +4,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.openpbr_surface.probes import loaded, pairs
 
 import urushi
 from urushi.measured.rgl import srgb_weights
@@ -13,9 +14,7 @@ from urushi.openpbr_surface.shares import tint_of
 
 VARIANTS = ("llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral")
 
-GREY = {"type": "rgb", "value": [0.5, 0.5, 0.5]}
-COLOR = {"type": "rgb", "value": [0.7, 0.5, 0.3]}
-GREEN = {"type": "rgb", "value": [0.2, 0.8, 0.3]}
+GREY, COLOR, GREEN = (0.5, 0.5, 0.5), (0.7, 0.5, 0.3), (0.2, 0.8, 0.3)
 
 MATERIALS = {
     "mixture": {
@@ -45,16 +44,10 @@ def in_variants(function):
 
 
 @pytest.mark.parametrize("name", ["walks", pytest.param("mixture", marks=pytest.mark.slow)])
-def test_grey_is_the_same_in_all_variants(name, pairs):
-    wi, wo = (w[500:].astype(np.float32) for w in pairs)
-    above = (wi[:, 2] > 0.05) & (wo[:, 2] > 0.05)
-    wi, wo = wi[above][:200], wo[above][:200]
-
-    def values():
-        bsdf = mi.load_dict({"type": "openpbr", "base_color": GREY, **MATERIALS[name]})
-        return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5))
-
-    found = in_variants(values)
+def test_grey_is_the_same_in_all_variants(name):
+    rows = (*pairs(200), np.full((200, 2), 0.5))
+    material = MATERIALS[name] | {"base_color": GREY}
+    found = in_variants(lambda: probing.bsdf_values(loaded(**material), *rows))
     for f in found.values():  # the walks of all variants draw the same random numbers
         np.testing.assert_allclose(f, found["llvm_ad_rgb"][:, : f.shape[1]], rtol=2e-3, atol=1e-5)
 
@@ -75,20 +68,16 @@ def test_a_colour_has_the_same_picture_in_all_variants(material):
     `tests.mitsuba.plugins.test_spectral`."""
 
     def picture():
+        eye = mi.ScalarTransform4f().look_at([0, 0, 3], [0, 0, 0], [0, 1, 0])
+        film = {"type": "hdrfilm", "width": 8, "height": 8, "rfilter": {"type": "box"}}
         scene = {
             "type": "scene",
             "integrator": {"type": "path", "max_depth": 2},
-            "sensor": {
-                "type": "perspective",
-                "fov": 20,
-                "to_world": mi.ScalarTransform4f().look_at([0, 0, 3], [0, 0, 0], [0, 1, 0]),
-                "film": {"type": "hdrfilm", "width": 8, "height": 8, "rfilter": {"type": "box"}},
-            },
+            "sensor": {"type": "perspective", "fov": 20, "to_world": eye, "film": film},
             "light": {"type": "constant"},
-            "shape": {"type": "rectangle", "bsdf": {"type": "openpbr", **material}},
+            "shape": {"type": "rectangle", "bsdf": loaded(**material)},
         }
-        image = np.array(mi.render(mi.load_dict(scene), spp=1024))
-        return image.mean(axis=(0, 1))[:3]
+        return np.array(mi.render(mi.load_dict(scene), spp=1024)).mean(axis=(0, 1))[:3]
 
     found = in_variants(picture)
     rgb = found["llvm_ad_rgb"]
@@ -101,7 +90,7 @@ def test_a_colour_has_the_same_picture_in_all_variants(material):
 def test_light_through_tinted_glass_has_the_same_colour_in_spectral_variants(depth):
     """Light crosses the surface of a body twice, or transmission_depth of its medium; the spectra
     have nodes every 2 nm."""
-    color, nm = (0.2, 0.8, 0.3), np.arange(360, 832, 1.0)
+    color, nm = GREEN, np.arange(360, 832, 1.0)
     mi.set_variant("llvm_ad_spectral")
     glass = {"transmission_weight": 1.0, "transmission_color": color, "transmission_depth": depth}
     si = dr.zeros(mi.SurfaceInteraction3f, len(nm) // 4)
