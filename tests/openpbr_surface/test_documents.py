@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
 from tests.directions import pairs_above
 from tests.mitsuba.probes import f
+from tests.openpbr_surface.probes import loaded, sampled
 
 import urushi
 
@@ -41,15 +41,8 @@ def values(bsdf):
 
 def test_parameters_are_those_of_the_document(path):
     read = mi.load_dict({"type": "materialx", "filename": path, "material": "Gold"})
-    described = mi.load_dict(
-        {
-            "type": "openpbr",
-            "base_metalness": 1.0,
-            "base_color": {"type": "rgb", "value": [0.9, 0.7, 0.3]},
-            "specular_roughness": 0.5,
-        }
-    )
-    assert np.array_equal(values(read), values(described))
+    gold = dict(base_metalness=1.0, base_color=(0.9, 0.7, 0.3), specular_roughness=0.5)
+    assert np.array_equal(values(read), values(loaded(**gold)))
 
 
 def test_properties_replace_parameters(path):
@@ -125,15 +118,10 @@ def test_errors_say_what_to_do(path, properties, message):
 
 def crossing(bsdf):
     """Share of the light that crosses a surface at the normal, and the root mean square sine."""
-    count = 1 << 12
-    si = dr.zeros(mi.SurfaceInteraction3f, count)
-    si.wi, si.sh_frame = mi.Vector3f(0, 0, 1), mi.Frame3f([0, 0, 1])
-    choice, *u = np.random.default_rng(0).random((3, count))
-    context = mi.BSDFContext(mi.TransportMode.Importance)
-    sample, weight = bsdf.sample(context, si, mi.Float(choice), mi.Point2f(*u))
-    cosine = np.array(sample.wo.z)
-    share = (np.array(weight) * (cosine < 0)).mean(axis=1)
-    return share, (1 - cosine[cosine < 0] ** 2).mean() ** 0.5
+    weight, wo = sampled(bsdf, [[0, 0, 1]], 1 << 12)
+    crosses = wo[0, :, 2] < 0
+    share = (weight[0] * crosses[:, None]).mean(axis=0)
+    return share, (1 - wo[0, crosses, 2] ** 2).mean() ** 0.5
 
 
 def test_glass_of_blender():

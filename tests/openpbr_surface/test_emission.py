@@ -4,6 +4,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.openpbr_surface.probes import interaction, toward
 from tests.oracles.slab import interface_reflectance
 
 import urushi
@@ -13,15 +14,14 @@ pytestmark = pytest.mark.usefixtures("rgb")
 COLOR = (1.0, 0.5, 2.0)  # an emission colour may exceed one
 LIGHT = {"emission_luminance": 3.0, "emission_color": COLOR}
 SQUARE = {"type": "rectangle"}
+BLACK = dict(base_weight=0.0, specular_weight=0.0)
+WALKS = dict(reference=True, energy_compensation=False)
 
 
 def radiance(cosine, **parameters):
     """What a square emits at an angle to its normal, (3,)."""
     square = mi.load_dict(urushi.openpbr(**LIGHT, **parameters).on(SQUARE))
-    si = dr.zeros(mi.SurfaceInteraction3f, 1)
-    si.wi = mi.Vector3f((1 - cosine**2) ** 0.5, 0, cosine)
-    si.uv = mi.Point2f(0.5)
-    return np.array(square.emitter().eval(si)).ravel()
+    return square.emitter().eval(interaction(toward(cosine)[None])).numpy().ravel()
 
 
 @pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
@@ -37,7 +37,7 @@ def test_a_smooth_coat_passes_what_it_does_not_reflect(cosine):
     inside = (1 - (1 - cosine**2) / eta**2) ** 0.5
     coated = (1 - interface_reflectance(cosine, eta)) * color ** (0.5 / inside)
     # The light passes either coat alike.
-    coat = dict(coat_color=tuple(color), reference=True, energy_compensation=False)
+    coat = dict(coat_color=tuple(color)) | WALKS
     found = radiance(cosine, coat_weight=1.0, **coat)
     assert np.allclose(found, 3 * np.array(COLOR) * coated, rtol=0.01)
     half = radiance(cosine, coat_weight=0.5, **coat)
@@ -46,8 +46,7 @@ def test_a_smooth_coat_passes_what_it_does_not_reflect(cosine):
 
 def test_only_a_thin_wall_emits_on_its_back():
     """A thin wall is the same from either side (OpenPBR Surface 1.1.1, thin-walled case)."""
-    layers = dict(coat_weight=0.7, coat_color=(0.9, 0.4, 0.1), fuzz_weight=0.5)
-    layers |= dict(reference=True, energy_compensation=False)
+    layers = dict(coat_weight=0.7, coat_color=(0.9, 0.4, 0.1), fuzz_weight=0.5) | WALKS
     assert not radiance(-0.5, **layers).any()
     both = [radiance(c, geometry_thin_walled=True, **layers) for c in (0.5, -0.5)]
     assert np.allclose(both, radiance(0.5, **layers))
@@ -60,24 +59,18 @@ def test_a_square_lights_another(back):
     Source: Howell 1982, A catalog of radiation configuration factors, configuration B-3.
     """
     turned = SQUARE | {"to_world": mi.ScalarTransform4f().rotate([1, 0, 0], 180 * back)}
-    black_base = dict(base_weight=0.0, specular_weight=0.0, geometry_thin_walled=back)
-    shape = urushi.openpbr(**LIGHT, **black_base).on(turned)
-    black = {"type": "diffuse", "reflectance": 1.0}
+    shape = urushi.openpbr(**LIGHT, **BLACK, geometry_thin_walled=back).on(turned)
     down = mi.ScalarTransform4f().translate([0, 0, 1]).rotate([1, 0, 0], 180).scale(0.01)
-    scene = mi.load_dict(
-        {
-            "type": "scene",
-            "light": shape,
-            "screen": {"type": "rectangle", "to_world": down, "bsdf": black},
-        }
-    )
-    ray = mi.Ray3f(mi.Point3f(0, 0, 0.5), mi.Vector3f(0, 0, 1))
-    integrator = mi.load_dict({"type": "path", "max_depth": 2})
-    count = 1 << 14
-    ray = dr.gather(mi.Ray3f, ray, dr.zeros(mi.UInt32, count))
+    white = {"type": "diffuse", "reflectance": 1.0}
+    screen = {"type": "rectangle", "to_world": down, "bsdf": white}
+    scene, count = mi.load_dict({"type": "scene", "light": shape, "screen": screen}), 1 << 14
+    ray = dr.zeros(mi.RayDifferential3f, count)
+    ray.o, ray.d = mi.Point3f(0, 0, 0.5), mi.Vector3f(0, 0, 1)
+    ray.maxt = np.inf
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(0, count)
-    value = np.array(integrator.sample(scene, sampler, mi.RayDifferential3f(ray))[0])
+    integrator = mi.load_dict({"type": "path", "max_depth": 2})
+    value = np.array(integrator.sample(scene, sampler, ray)[0])
     part = 1 / 2**0.5
     corner = part / (2 * np.pi) * 2 * np.arctan(part)
     expected = 3 * np.array(COLOR) * 4 * corner  # a white screen reflects its irradiance / pi
@@ -107,9 +100,9 @@ def picture(integrator, samples, material):
 @pytest.mark.parametrize("thin", [False, True])
 def test_particles_light_as_much_as_paths(thin):
     """Two integrators of Mitsuba: one follows light from emitters, the other from the camera."""
-    black = dict(base_weight=0.0, specular_weight=0.0, geometry_thin_walled=thin)
-    layers = dict(fuzz_weight=0.0 if thin else 0.7, coat_weight=0.8, coat_color=(0.9, 0.4, 0.1))
-    material = urushi.openpbr(**LIGHT, **black, **({} if thin else layers), reference=True)
+    layers = dict(fuzz_weight=0.7, coat_weight=0.8, coat_color=(0.9, 0.4, 0.1))
+    layers = {"geometry_thin_walled": True} if thin else layers
+    material = urushi.openpbr(**LIGHT, **BLACK, **layers, reference=True)
     (paths, error), (particles, other) = (
         picture(*x, material) for x in (("path", 64), ("ptracer", 128))
     )

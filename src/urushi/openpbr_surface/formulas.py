@@ -24,6 +24,7 @@ import numpy as np
 
 from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP
 from urushi.core.appearance import DIFFUSE, REFRACTED
+from urushi.core.facets import multiple_albedo
 from urushi.core.namespace import NUMPY, Namespace
 from urushi.material import adding
 
@@ -196,8 +197,7 @@ def eon_deviation(roughness: Any) -> Any:
 
 def eon_multiple_albedo(color: Any, roughness: Any) -> Any:
     """Albedo, by all further scattering, of the light that the single-scattering term loses."""
-    mean = eon_single_mean(roughness)
-    return color * color * mean / (1 - color * (1 - mean))
+    return multiple_albedo(color, eon_single_mean(roughness))
 
 
 def eon_albedo(cosine: Any, color: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:

@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from functools import partial
 from typing import Any, ClassVar
 
 import drjit as dr
@@ -70,15 +71,14 @@ class Inputs(Recorded):
             if name not in OPTIONS:
                 unbounded = props.type(name) == mi.Properties.Type.Spectrum
                 self._read(name, props.get_unbounded_texture(name) if unbounded else props[name])
-        if not emits:
-            for problem, cure, instead in self._unsupported():
-                problem = f"{self.where}: {problem}"
-                if unsupported == "error":
-                    raise ParameterError(f'{problem}; {cure}, or set unsupported to "ignore"')
-                mi.Log(mi.LogLevel.Warn, f"{problem}; {instead}")
         for name, entry in PARAMETERS.items():
             if entry.kind in ("float", "color") and name not in self.textures:
                 self._constant(name, checked(name, entry.default))
+        for problem, cure, instead in () if emits else self._unsupported():
+            problem = f"{self.where}: {problem}"
+            if unsupported == "error":
+                raise ParameterError(f'{problem}; {cure}, or set unsupported to "ignore"')
+            mi.Log(mi.LogLevel.Warn, f"{problem}; {instead}")
 
     @classmethod
     def of(cls, values: Mapping[str, Any], origin: str) -> "Inputs":
@@ -100,11 +100,10 @@ class Inputs(Recorded):
 
     def transmits(self, weight: str) -> bool:
         """Whether the share that a weight gives of a base that is no metal transmits light."""
-        others = [("base_metalness", 1)]
-        if weight == "subsurface_weight":
-            others.append(("transmission_weight", 1))
-        left_out = any(self.is_constant(name, value) for name, value in others)
-        return not (left_out or self._is_absent(weight))
+        left_out = self.is_constant("base_metalness", 1) or (
+            weight == "subsurface_weight" and self.is_constant("transmission_weight", 1)
+        )
+        return not (left_out or self.is_constant(weight, 0))
 
     def replaced(self, values: Mapping[str, Any]) -> "Inputs":
         """The same with other numbers, colours or textures, by name."""
@@ -141,9 +140,9 @@ class Inputs(Recorded):
             self._relied[name] = _texture_value(self.textures[name])[0]
         return self.constants[name]
 
-    def is_uniform(self, names: Iterable[str]) -> bool:
-        """Whether parameters are now the same everywhere."""
-        return not any(varies(self.textures[name]) for name in names)
+    def is_uniform(self, name: str) -> bool:
+        """Whether a parameter is now the same everywhere."""
+        return not varies(self.textures[name])
 
     def middle(self, name: str) -> float:
         """The present value of a number in the middle of uv."""
@@ -221,49 +220,42 @@ class Inputs(Recorded):
 
     def _unsupported(self) -> Iterator[tuple[str, str, str]]:
         """What the BSDF lacks: the problem, its cure, and what happens where it is ignored."""
+        absent = partial(self.is_constant, value=0)
         clear, scatters = self.transmits("transmission_weight"), self.transmits("subsurface_weight")
         transmits = clear or scatters
-        filmed = transmits and (clear if self.thin else not self._is_absent("coat_weight"))
+        filmed = transmits and (clear if self.thin else not absent("coat_weight"))
         for name, lacks, feature in (
             ("transmission_dispersion_scale", clear and not self.thin, "dispersion"),
             ("fuzz_weight", transmits, "fuzz over a base that transmits light"),
             ("coat_weight", scatters and self.thin, "a coat on a thin wall that scatters light"),
             ("thin_film_weight", filmed, "a thin film inside of what transmits light"),
         ):
-            if lacks and not self._is_absent(name):
+            if lacks and not absent(name):
                 problem = f"{name} needs {feature}, which the plugin does not support"
                 yield problem, "leave it out", "it is left out"
-        deep = clear and not (self._is_absent("transmission_depth") or self._is_clear())
+        deep = clear and not (
+            absent("transmission_depth")
+            or (self.is_constant("transmission_color", 1) and absent("transmission_scatter"))
+        )
         for name, lacks in (("transmission_depth", deep), ("subsurface_weight", scatters)):
             if lacks and not (self.thin or self.interior):
                 problem = f"{name} asks for the medium inside of a body, and a BSDF has none"
                 on_shape = "the interior of urushi.openpbr(...).on(shape), and set interior to true"
                 yield problem, f"give its shape {on_shape}", "its colour is the surface's"
-        if not self._is_absent("emission_luminance"):
+        if not absent("emission_luminance"):
             problem = "emission_luminance asks for emitted light, and a BSDF does not emit"
             cure = "give its shape the emitter 'openpbr_emission' and leave it out here"
             yield problem, cure, "it is left out"
         for base, coat, anisotropies in DIRECTIONS:
-            if coat not in self.maps or self._is_absent("coat_weight"):
+            if coat not in self.maps or absent("coat_weight"):
                 continue
-            if anisotropies and self._is_absent(anisotropies[1]):
+            if anisotropies and absent(anisotropies[1]):
                 continue  # the coat has no tangent
-            if anisotropies and self._is_absent(anisotropies[0]):
+            if anisotropies and absent(anisotropies[0]):
                 self.maps[base] = self.maps[coat]  # nor has the base
             if base not in self.maps or not _equal_textures(self.maps[base], self.maps[coat]):
                 problem = f"{coat} differs from {base}, and all layers share one frame"
                 yield problem, "give both the same", "the coat has the base's"
-
-    def _is_clear(self) -> bool:
-        """Whether the medium of the transmitting share neither absorbs nor scatters."""
-        color = "transmission_color"
-        given = color in self.textures and not self.is_constant(color, 1)
-        return not given and self._is_absent("transmission_scatter")
-
-    def _is_absent(self, name: str) -> bool:
-        """Whether a parameter of default 0 is not given, or as 0."""
-        given = name in self.textures or name in self.constants
-        return not given or self.is_constant(name, 0)
 
     def traverse(self, callback, names: Iterable[str], fixed: Container[str] = ()) -> None:
         """List parameters for `mi.traverse`; fixed: those without derivatives."""

@@ -122,7 +122,7 @@ class LostLight:
         # A roughness that was changed is an axis, so that the table stays when it changes again.
         if name.endswith("roughness") and self._inputs.known(name) is None:
             return True
-        return not self._inputs.is_uniform([name])
+        return not self._inputs.is_uniform(name)
 
     def at(self, si, active) -> Place:
         """The material at a surface interaction."""

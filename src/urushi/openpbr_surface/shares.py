@@ -77,7 +77,7 @@ def index_of(inputs: Inputs) -> float:
         ParameterError: it varies.
     """
     for name in INDICES:
-        if not inputs.is_uniform([name]):
+        if not inputs.is_uniform(name):
             raise ParameterError(
                 f"{inputs.where}: {name} is a texture, but what transmits light needs one index; "
                 "give a number"
