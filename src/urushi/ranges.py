@@ -1,9 +1,8 @@
 """Ranges of the numeric options of all commands, as types of the commands' fields."""
 
-import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 from urushi.errors import ParameterError
 
@@ -52,28 +51,24 @@ Angle = Annotated[float, Range(-360, 360, " degrees")]
 
 
 def check(command: Any, dashes: str = "--") -> None:
-    """Refuse values of a command, or of the commands and options inside, that are out of range.
+    """Refuse values of a command's options that are out of range.
 
     `dashes` begin an option's name in the sentence.
 
     Raises:
         ParameterError: one is; the sentence names the option.
     """
-    hints = get_type_hints(type(command), include_extras=True)
-    for field in dataclasses.fields(command):
-        value = getattr(command, field.name)
-        if dataclasses.is_dataclass(value):
-            check(value, dashes)
-        elif value is not None:
-            for bounds in ranges_of(hints[field.name]):
-                if value not in bounds:
-                    name = field.name.replace("_", "-") if dashes else field.name
-                    raise ParameterError(f"{dashes}{name} is {value:.16g}; it must be {bounds}")
+    for name, hint in get_type_hints(type(command), include_extras=True).items():
+        value, bounds = getattr(command, name), range_of(hint)
+        if bounds is not None and value is not None and value not in bounds:
+            option = name.replace("_", "-") if dashes else name
+            raise ParameterError(f"{dashes}{option} is {value:.16g}; it must be {bounds}")
 
 
-def ranges_of(hint: Any) -> list[Range]:
-    """The ranges in the annotations of a type and of the members of a union."""
-    parts = get_args(hint)
-    inner = parts[:1] if get_origin(hint) is Annotated else parts
-    found = [part for part in parts if isinstance(part, Range)]
-    return found + [bounds for part in inner for bounds in ranges_of(part)]
+def range_of(hint: Any) -> Range | None:
+    """The range in the annotations of a type, or of a member of a union."""
+    for part in get_args(hint):
+        found = part if isinstance(part, Range) else range_of(part)
+        if found is not None:
+            return found
+    return None

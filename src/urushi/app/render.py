@@ -115,7 +115,10 @@ class Render:
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
         finally:
             dr.set_thread_count(before)
-        write_picture(mi.TensorXf(image.astype(np.float32)), target)
+        if target.suffix.lower() != ".exr":
+            image = np.minimum(image, 1)  # Mitsuba's conversion to bytes turns thousands into black
+        with atomic_write(target) as temporary:
+            mi.util.write_bitmap(str(temporary), image.astype(np.float32), write_async=False)
         print(target)
         return 0
 
@@ -129,18 +132,6 @@ def check_picture(path: Path) -> None:
     if path.is_dir() or not path.parent.is_dir():
         reason = "it is a folder" if path.is_dir() else f"there is no folder '{path.parent}'"
         raise FileError(f"cannot write '{path}': {reason}; choose another name")
-
-
-def write_picture(image: Any, path: Path) -> None:
-    """Write a rendered image by its suffix: linear .exr, or tone-mapped .png and .jpg."""
-    import drjit as dr
-    import mitsuba as mi
-
-    check_picture(path)
-    if path.suffix.lower() != ".exr":
-        image = dr.minimum(image, 1)  # Mitsuba's conversion to bytes turns thousands into black
-    with atomic_write(path) as temporary:
-        mi.util.write_bitmap(str(temporary), image, write_async=False)
 
 
 def load_scene(
