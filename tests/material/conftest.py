@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from tests.untrained import untrained
 
-from urushi.material import Material
+import urushi
+from urushi.material import Material, encode, layer
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model, default_model
 
@@ -48,3 +49,31 @@ def material(model) -> Material:
 def trained() -> Model:
     """The networks that Urushi ships."""
     return default_model()
+
+
+def velvet(wi, wo):
+    """Brighter at grazing angles, over a narrow lobe: unlike any layered material."""
+    h = wi + wo
+    cos_h = h[:, 2] / np.linalg.norm(h, axis=1)
+    cosines = np.maximum(wi[:, 2], 0.05) + np.maximum(wo[:, 2], 0.05)
+    sheen = 0.06 * np.exp(-2 * cosines)
+    lobe = 0.02 / (np.pi * (cos_h**2 * (0.1**2 - 1) + 1) ** 2) * 0.1**2
+    return np.stack([sheen + 0.01, sheen + lobe, 0.3 * lobe + 0.03], axis=1)
+
+
+@pytest.fixture(scope="session")
+def tabulated(model) -> Material:
+    """A material with a table of all of f."""
+    return encode(velvet, model, table=True)
+
+
+@pytest.fixture(scope="session", params=["codes", "table", "table beside a lobe", "two widths"])
+def every(request, material, tabulated) -> Material:
+    """A material of each kind."""
+    medium = {"albedo": (0.95, 0.85, 0.7), "sigma_t": 1.0, "g": 0.3}
+    if request.param == "table beside a lobe":
+        return layer(urushi.dielectric(0.1, 1.4), tabulated, **medium)
+    if request.param == "two widths":
+        brushed = urushi.conductor(alpha_u=0.3, alpha_v=0.08, eta=0.2, k=3.9)
+        return layer(urushi.dielectric(0.15, 1.5), brushed, **medium)
+    return material if request.param == "codes" else tabulated

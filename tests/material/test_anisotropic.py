@@ -76,11 +76,10 @@ def test_bare_surfaces_are_exact(pairs):
     assert material.model.networks.table(material.latents) is None
 
 
-def test_reciprocity_mirroring_and_half_turns_to_the_bit(lacquered, pairs):
+def test_mirroring_and_half_turns_to_the_bit(lacquered, pairs):
     wi, wo = pairs
     for material in lacquered:
         f = material.f(wi, wo)
-        np.testing.assert_array_equal(f, material.f(wo, wi))
         for mirror in ([1, -1, 1], [-1, 1, 1], [-1, -1, 1]):
             sign = np.array(mirror, np.float32)
             np.testing.assert_array_equal(f, material.f(wi * sign, wo * sign))

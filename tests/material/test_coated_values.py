@@ -7,10 +7,11 @@ import pytest
 
 import urushi
 from urushi.checks import CoatParameters, Widths
-from urushi.core import direction_sets
+from urushi.core import direction_sets, fresnel
 from urushi.core.error_metrics import energy_weight, stack_error
+from urushi.core.namespace import NUMPY
 from urushi.core.quadrature import directional_albedos
-from urushi.core.table import MIN_LOG, SHAPE
+from urushi.core.table import MIN_LOG, SHAPE, node_pairs
 from urushi.material import adding
 from urushi.material.coated_values import coated_f
 from urushi.material.reflector import Reflector
@@ -96,16 +97,38 @@ def test_a_coat_is_the_same_among_others_of_two_widths():
         np.testing.assert_allclose(together[:, channel], alone[:, 0], rtol=1e-5)
 
 
-def test_many_coats_over_one_bottom():
+@pytest.mark.parametrize(
+    ("albedo", "sigma_t"),
+    [([0.8] * 5, np.linspace(0, 2, 5)), ([0.02, 0.0, 0.0, 0.0], [0.18, 0.23, 0.18, 0.13])],
+)
+def test_many_coats_over_one_bottom(albedo, sigma_t):
     """Coats of any shape; more than three media below one interface are sums of a few."""
     wi, wo = pairs(50)
-    alpha, sigma_t = np.full((5, 1), 0.1), np.linspace(0, 2, 5)[:, None]
-    below = lambertian(0.5)
-    f = coated_f(below, CoatParameters(alpha, 1.5, 0.8, sigma_t, 0.0), wi, wo)
-    assert f.shape == (50, 5, 1)
-    for row in range(5):
-        one = CoatParameters(*map(np.float64, (0.1, 1.5, 0.8, sigma_t[row, 0], 0.0)))
+    columns, below = [np.reshape(x, (-1, 1)) for x in (albedo, sigma_t)], lambertian(0.5)
+    f = coated_f(below, CoatParameters(np.full_like(columns[1], 0.1), 1.5, *columns, 0.0), wi, wo)
+    assert f.shape == (50, len(albedo), 1)
+    for row, medium in enumerate(zip(albedo, sigma_t, strict=True)):
+        one = CoatParameters(*map(np.float64, (0.1, 1.5, *medium, 0.0)))
         np.testing.assert_allclose(f[:, row], coated_f(below, one, wi, wo), rtol=0.01)
+
+
+def test_a_smooth_coat_over_black_velvet_dims_it_twice():
+    """The bottom reflects hardly any light again: f = T T f' exp(-sigma_t / c' ...) / eta^2."""
+
+    def faint(wi, wo):
+        return 1e-4 * (1 + 3 * wi[:, 2] * wo[:, 2])
+
+    eta, sigma_t, expected, inside = 1.5, 0.4, 1.0, []
+    below = substrate(np.log(faint(*node_pairs())).reshape(*SHAPE, 1))
+    sides = direction_sets.cosine_pairs(np.random.default_rng(4), 500, lowest_cosine=0.3)
+    for w in sides:
+        z = np.sqrt(1 - (1 - w[:, 2] ** 2) / eta**2)
+        inside.append(np.column_stack([w[:, :2] / eta, z]))
+        expected *= (1 - fresnel.dielectric(w[:, 2], eta, NUMPY)[0]) * np.exp(-sigma_t / z)
+    expected *= faint(*inside) / eta**2
+    one = CoatParameters(*map(np.float64, (0.01, eta, 0.0, sigma_t, 0.0)))
+    ratio = coated_f(below, one, *sides)[:, 0] / expected
+    np.testing.assert_allclose(ratio, 1, atol=0.01)
 
 
 def test_without_interface_and_medium_the_bottom_remains():

@@ -44,12 +44,6 @@ def test_the_topmost_interface_of_a_stack_is_the_lobe(model):
     np.testing.assert_allclose(found[:, 3:], [[1, 1.7, 0]] * 3, rtol=1e-6)
 
 
-def test_a_material_is_encoded_with_its_own_lobe(model, other_model):
-    first = encode(conductor(0.1, 0.8), model)
-    again = encode(first, other_model)
-    np.testing.assert_allclose(again.latents[:, :6], first.latents[:, :6], rtol=1e-6)
-
-
 def test_a_lobe_that_reflects_everything_does_not_black_out_the_rest(model):
     z = encode(conductor(0.01, 1.0), model).latents.copy()
     z[:, 6] = -3.0

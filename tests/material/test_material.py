@@ -9,15 +9,15 @@ from urushi.material import Material
 UP = np.array([[0.0, 0.6, 0.8]], np.float32)
 
 
-def test_f_is_reciprocal_positive_above_and_zero_below_the_horizon(material, directions):
+def test_f_is_reciprocal_positive_above_and_zero_below_the_horizon(every, directions):
     wi, wo = directions, np.roll(directions, 1, axis=0)
-    f = material.f(wi, wo)
-    assert np.array_equal(f, material.f(wo, wi))
+    f = every.f(wi, wo)
+    assert np.array_equal(f, every.f(wo, wi))
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
     assert f.shape == (1000, 3) and f.dtype == np.float32
     assert (f[above] > 0).all() and np.isfinite(f).all()
     assert (f[~above] == 0).all() and not above.all()
-    assert (material.pdf(wi, wo)[~above] == 0).all()
+    assert (every.pdf(wi, wo)[~above] == 0).all()
 
 
 def test_many_rows_are_the_same_as_few(material):
@@ -43,26 +43,26 @@ def test_many_rows_are_the_same_as_few(material):
     )
 
 
-def test_samples_come_with_their_density(material, directions):
+def test_samples_come_with_their_density(every, directions):
     u = np.random.default_rng(2).random((1000, 3))
-    wo, pdf = material.sample(directions, u)
+    wo, pdf = every.sample(directions, u)
     assert wo.shape == (1000, 3) and pdf.shape == (1000,) and wo.dtype == pdf.dtype == np.float32
-    assert np.array_equal(pdf, material.pdf(directions, wo))
+    assert np.array_equal(pdf, every.pdf(directions, wo))
     below = directions[:, 2] <= 0
     assert (pdf[below] == 0).all() and (pdf[~below] > 0).all()
     np.testing.assert_allclose(np.linalg.norm(wo, axis=1), 1, atol=1e-5)
 
 
 @pytest.mark.parametrize("cos_i", [1.0, 0.6, 0.1])
-def test_albedo_by_quadrature_is_albedo_by_sampling(material, cos_i):
+def test_albedo_by_quadrature_is_albedo_by_sampling(every, cos_i):
     # Five standard errors of 100,000 samples, and the rule's 0.001.
     wi = np.array([[np.sqrt(1 - cos_i**2), 0, cos_i]], np.float32)
     count = 100_000
     many = np.repeat(wi, count, axis=0)
-    wo, pdf = material.sample(many, np.random.default_rng(3).random((count, 3)))
-    weight = material.f(many, wo) * wo[:, 2:] / pdf[:, None]
+    wo, pdf = every.sample(many, np.random.default_rng(3).random((count, 3)))
+    weight = every.f(many, wo) * wo[:, 2:] / pdf[:, None]
     mean, error = weight.mean(axis=0), weight.std(axis=0) / np.sqrt(count)
-    albedo = material.directional_albedo(wi)[0]
+    albedo = every.directional_albedo(wi)[0]
     assert (np.abs(albedo - mean) < 5 * error + 1e-3 * mean).all()
 
 

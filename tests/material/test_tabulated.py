@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.material.conftest import velvet
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
@@ -13,22 +14,6 @@ from urushi.material.values import required_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
 from urushi.walk import conductor, dielectric, diffuse
-
-
-def velvet(wi, wo):
-    """Brighter at grazing angles, over a narrow lobe: unlike any layered material."""
-    h = wi + wo
-    cos_h = h[:, 2] / np.linalg.norm(h, axis=1)
-    cosines = np.maximum(wi[:, 2], 0.05) + np.maximum(wo[:, 2], 0.05)
-    sheen = 0.06 * np.exp(-2 * cosines)
-    lobe = 0.02 / (np.pi * (cos_h**2 * (0.1**2 - 1) + 1) ** 2) * 0.1**2
-    return np.stack([sheen + 0.01, sheen + lobe, 0.3 * lobe + 0.03], axis=1)
-
-
-@pytest.fixture(scope="module")
-def own(model) -> Material:
-    """A material with a table, of untrained networks."""
-    return encode(velvet, model, table=True)
 
 
 def two_lobes(wi, wo):
@@ -71,25 +56,16 @@ def test_about_as_much_light_as_the_source(model):
     assert (shiny.directional_albedo(wi)[:, 0] <= at + 0.01).all()
 
 
-def test_sampling_is_that_of_the_codes(own, random_directions):
-    """The proposal comes from the codes, so that its density stays normalised."""
-    plain = Material(own.latents, own.model)
-    wi, u = random_directions(50, 1), np.random.default_rng(2).random((50, 3)).astype(np.float32)
-    wo, pdf = own.sample(wi, u)
-    np.testing.assert_array_equal(wo, plain.sample(wi, u)[0])
-    np.testing.assert_array_equal(pdf, own.pdf(wi, wo))
-
-
 @pytest.mark.parametrize("wrong", [np.zeros((3, 7)), np.full((*SHAPE, 3), np.inf)])
-def test_wrong_tables_are_refused(wrong, own, model):
+def test_wrong_tables_are_refused(wrong, tabulated, model):
     with pytest.raises(ParameterError, match="table"):
-        Material(own.latents, model, wrong)
+        Material(tabulated.latents, model, wrong)
 
 
-def test_the_same_alone_and_among_many(own, model):
+def test_the_same_alone_and_among_many(tabulated, model):
     for channel in (0, 2):
         alone = encode(lambda *w, c=channel: velvet(*w)[:, c], model, table=True)
-        np.testing.assert_array_equal(alone.table, own.table[..., channel, None])
+        np.testing.assert_array_equal(alone.table, tabulated.table[..., channel, None])
 
 
 def test_networks_of_two_widths_have_none():
