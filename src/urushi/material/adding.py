@@ -314,29 +314,16 @@ def interreflection(
     return left * sums, np.sqrt(sums)
 
 
-class MediaTransport(NamedTuple):
-    """Light in media over a bottom, below nothing else.
-
-    Attributes:
-        grid: its directions.
-        through: (N,) the share of light that crosses the media unscattered.
-        down, up: modes (H, N, N): shares of light from the top that arrive at the bottom, and that
-            leave the top.
-        depth: the optical depth that attenuates unscattered light.
-    """
-
-    grid: Grid
-    through: np.ndarray
-    down: np.ndarray
-    up: np.ndarray
-    depth: float
-
-
 def media_transport(
-    bottom: np.ndarray, layers: Iterable[Sequence[float]], edges: Edges
-) -> MediaTransport:
-    """Light in media, top to bottom, over a bottom of modes (H, N, N); see `seen_inside`."""
-    own = grid(edges)
+    bottom: np.ndarray, layers: Iterable[Sequence[float]], own: Grid
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Light in media, top to bottom, over a bottom of modes (H, N, N), below nothing else.
+
+    Returns:
+        The share (N,) of light that crosses the media unscattered; modes (H, N, N) of shares of
+        light from the top that arrive at the bottom, and that leave the top; and the optical depth
+        that attenuates unscattered light.
+    """
     one = np.eye(len(own.cosines))
     up, down, depth = bottom * own.weights, np.broadcast_to(one, bottom.shape), 0.0
     for layer in reversed(list(layers)):
@@ -347,7 +334,7 @@ def media_transport(
             continue
         up, field = covered(up, through, [x * own.weights for x in medium(albedo, sigma_t, g, own)])
         down = down @ field
-    return MediaTransport(own, np.exp(-depth / own.cosines), down, up, depth)
+    return np.exp(-depth / own.cosines), down, up, depth
 
 
 def covered(
@@ -392,7 +379,8 @@ def seen_inside(
         (`interreflection`).
     """
     layers = [resolved(*layer) for layer in layers]
-    own, through, _, up, depth = media_transport(bottom, layers, edges or ())
+    own = grid(edges or ())
+    through, _, up, depth = media_transport(bottom, layers, own)
     every = enclosed(up, interface, own.weights)
     mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom) if edges is not None else 0
     left = through * np.sqrt(1 / (1 - mirrored * through**2))
@@ -445,7 +433,8 @@ def passed_inside(
         first nodes to the second; of it (N,) what goes straight, not scattered and at most mirrored
         (`Grid.mirror_shares`); and the optical depth that attenuates straight light.
     """
-    own, through, down, up, depth = media_transport(bottom, layers, edges)
+    own = grid(edges)
+    through, down, up, depth = media_transport(bottom, layers, own)
     every = down @ np.linalg.inv(np.eye(len(through)) - (interface * own.weights) @ up)
     mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom)
     return every, through / (1 - mirrored * through**2), depth

@@ -5,8 +5,8 @@ about the normal. With two they are symmetric about the xz and the yz plane.
 """
 
 import functools
-from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -84,11 +84,7 @@ class Deviations(NamedTuple):
 
 
 def symmetrise(
-    source: Source,
-    wi: np.ndarray,
-    wo: np.ndarray,
-    check: Callable[[Any, int], np.ndarray],
-    widths: int = 1,
+    source: Source, wi: np.ndarray, wo: np.ndarray, widths: int = 1
 ) -> tuple[np.ndarray, Deviations]:
     """Values of a source with the symmetry of a material, and how much that changed them.
 
@@ -97,23 +93,18 @@ def symmetrise(
     and wo.
 
     Args:
-        source: the BRDF.
+        source: the BRDF; f returns float32 (N, C).
         wi, wo: float32 (N, 3), above the horizon.
-        check: turns the result of `source.f` for a number of pairs into float32 (N, C).
         widths: of the material's codes.
 
     Returns:
         float32 (N, C), and the deviations.
     """
     if source.symmetric and source.widths <= widths:
-        return check(source.f(wi, wo), len(wi)), deviations_of(source, widths=widths)
+        return source.f(wi, wo), deviations_of(source, widths=widths)
     count = len(wi)
     wi, wo = (np.concatenate(sides) for sides in zip((wi, wo), asymmetry_pairs(), strict=True))
-
-    def values(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        return check(source.f(a, b), len(a))
-
-    once, noisy = values(wi, wo), source.noisy
+    once, noisy = source.f(wi, wo), source.noisy
     pairs = (
         mirrored_pairs(wi, wo)
         if widths == 2
@@ -121,11 +112,11 @@ def symmetrise(
     )
     if not noisy:
         tests = pairs[1:3] if widths == 2 else [isotropy_test_pairs(wi, wo)]
-        if all(nearly_equal(once, values(*pair)) for pair in [*tests, (wo, wi)]):
+        if all(nearly_equal(once, source.f(*pair)) for pair in [*tests, (wo, wi)]):
             return once[:count], deviations_of(source, widths=widths)
-        noisy = not np.array_equal(once, values(wi, wo))
+        noisy = not np.array_equal(once, source.f(wi, wo))
     # (exchange, azimuth, N, C)
-    every = np.stack([[values(a, b) for a, b in pairs], [values(b, a) for a, b in pairs]])
+    every = np.stack([[source.f(a, b) for a, b in pairs], [source.f(b, a) for a, b in pairs]])
     isotropic = every.mean(axis=1)
     mean = isotropic.mean(axis=0)
     if noisy:
@@ -135,15 +126,15 @@ def symmetrise(
     return mean[:count], deviations_of(source, anisotropy, reciprocity, widths)
 
 
-def is_anisotropic(source: Source, check: Callable[[Any, int], np.ndarray]) -> bool:
+def is_anisotropic(source: Source) -> bool:
     """Whether a source differs by E > `KEPT_ANISOTROPY` from its mean over the azimuth.
 
-    check: as of `symmetrise`. A noisy source counts as isotropic unless its `widths` are 2.
+    A noisy source counts as isotropic unless its `widths` are 2.
     """
     if source.symmetric or source.isotropic or source.noisy:
         return source.widths == 2
     none = asymmetry_pairs()[0][:0]
-    _, deviations = symmetrise(source, none, none, check)
+    _, deviations = symmetrise(source, none, none)
     return (deviations.anisotropy or 0.0) > KEPT_ANISOTROPY
 
 

@@ -38,8 +38,7 @@ def model_for(source: Any, weights: Weights | None = None) -> Model:
         return find(weights)
     if isinstance(source, Material):
         return anisotropic_model() if source.model.widths == 2 else find(None)
-    name = source_name(source)
-    anisotropic = is_anisotropic(as_source(source), lambda f, count: _checked(f, name, count))
+    anisotropic = is_anisotropic(_opened(source, source_name(source)))
     return anisotropic_model() if anisotropic else find(None)
 
 
@@ -113,16 +112,20 @@ def evaluate_source(
     name: begins errors; by default the name of the source's type.
     widths: of the material's codes.
     """
-    opened, name = _with_widths(as_source(source), widths), name or source_name(source)
+    name = name or source_name(source)
+    opened = _with_widths(_opened(source, name), widths)
     if isinstance(source, Stack) and not opened.symmetric:
         raise ParameterError(  # an average over the azimuth would take a hundred simulations
             f"encode {name}: its alpha_u and alpha_v differ, but these weights are for isotropic "
             "materials; give one alpha, or the weights 'anisotropic'"
         )
-    values, deviations = symmetrise(
-        opened, wi, wo, lambda values, count: _checked(values, name, count), widths
-    )
-    return SourceValues(values, deviations, opened.lobe)
+    return SourceValues(*symmetrise(opened, wi, wo, widths), opened.lobe)
+
+
+def _opened(source: Any, name: str) -> Source:
+    """The source, whose values are checked; name: begins errors."""
+    opened = as_source(source)
+    return opened._replace(f=lambda wi, wo: _checked(opened.f(wi, wo), name, len(wi)))
 
 
 def _with_widths(source: Source, widths: int) -> Source:

@@ -64,10 +64,9 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
         mi.Log(mi.LogLevel.Warn, f"{where}: {sentence}")
     exact = known_surface(bottom).table_source() if model.widths == 1 else None
     if exact is not None:
-        wi, wo = node_pairs()
-        f = symmetrise(
-            reflection_source(exact), wi, wo, lambda f, _: probing.check_values(f, where)
-        )[0]
+        opened = reflection_source(exact)
+        checked = opened._replace(f=lambda wi, wo: probing.check_values(opened.f(wi, wo), where))
+        f = symmetrise(checked, *node_pairs())[0]
         lobe = material.latents[:, : model.arch.lobe]
         narrow = source.lobe is not None and bool((lobe[:, 0] < NARROW).any())
         table = table_beside(f, lobe) if narrow else table_of_values(f)

@@ -81,7 +81,7 @@ def has_two_widths(bsdf: "mi.BSDF") -> bool:
     lobes = probing.known_lobes(bsdf, spectrum.MIDDLE)
     if lobes is not None and lobes.shape[-1] > len(LOBE_NUMBERS) and not varying_textures(bsdf):
         return not np.array_equal(lobes[..., 0], lobes[..., 6])
-    return is_anisotropic(reflection_source(bsdf), lambda f, count: np.asarray(f))
+    return is_anisotropic(reflection_source(bsdf))
 
 
 def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
