@@ -1,7 +1,7 @@
 """Inputs of the layering network: normalised features of a coat."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -22,19 +22,24 @@ def stacked(columns: Sequence[Any]) -> Any:
     return result
 
 
-class Normalisation(NamedTuple):
+class Normalisation:
     """Normalisation of features, by which they have about mean 0 and variance 1."""
 
-    table: tuple[tuple[str, float, float], ...]  # name, mean and scale of every column
+    def __init__(self, table: Sequence[tuple[str, float, float]]) -> None:
+        """table: name, mean and scale of every column."""
+        _, means, scales = zip(*table, strict=True)
+        self.means, self.factors = np.array(means), 1.0 / np.array(scales)
 
     def __call__(self, columns: Sequence[Any]) -> Any:
         """Normalised features (..., C) of columns (...), which broadcast against each other."""
-        return stacked(self.each(columns))
+        features = stacked(columns)
+        dtype = features.real.dtype  # the precision of the columns
+        return (features - self.means.astype(dtype)) * self.factors.astype(dtype)
 
     def each(self, columns: Sequence[Any]) -> list[Any]:
-        """Columns of any kind, normalised, as a list."""
-        rows = zip(columns, self.table, strict=True)
-        return [(column - mean) * (1.0 / scale) for column, (_, mean, scale) in rows]
+        """Columns of any kind, normalised in the same way, as a list."""
+        constants = zip(columns, self.means.tolist(), self.factors.tolist(), strict=True)
+        return [(column - mean) * factor for column, mean, factor in constants]
 
 
 #: Features of a coat: formula, mean, scale. Of its interface, whose index may be above or below
@@ -64,7 +69,7 @@ COAT_TABLE = (
 #: Normalisations of the features, of one GGX width or two, and their numbers. The second width has
 #: the first two features once more.
 COATS = {1: Normalisation(COAT_TABLE), 2: Normalisation(COAT_TABLE + COAT_TABLE[:2])}
-COAT_FEATURES = {widths: len(own.table) for widths, own in COATS.items()}
+COAT_FEATURES = {widths: len(own.means) for widths, own in COATS.items()}
 
 
 def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:
