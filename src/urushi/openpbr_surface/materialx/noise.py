@@ -31,7 +31,8 @@ def _rotate(x: np.ndarray, bits: int) -> np.ndarray:
 def hash_integers(*numbers: np.ndarray) -> np.ndarray:
     """Jenkins' hash of one to four integers, uint32 (...,), at least (1,)."""
     start = np.uint32((0xDEADBEEF + 4 * len(numbers) + 13) & 0xFFFFFFFF)
-    given = [np.atleast_1d(n).astype(np.uint32) for n in (*numbers, 0, 0)]
+    missing = np.zeros(2, np.uint32)[:, None]
+    given = [np.atleast_1d(n).astype(np.uint32) for n in (*numbers, *missing)]
     a, b, c = (start + n for n in given[:3])
     if len(numbers) > 3:
         for bits in (4, 6, 8, 16, 19, 4):  # reversible mixing of three words
