@@ -8,7 +8,7 @@ from urushi.core.table import SHAPE, knots_of
 from urushi.material import Material
 from urushi.nets.basis import EMPTY_GAIN
 from urushi.nets.weights import Model
-from urushi.textures.store import Texture
+from urushi.textures.packing import Texture
 
 COUNT = 4096
 

@@ -78,7 +78,7 @@ def test_dds_is_read_by_another_program(packed, tmp_path):
     path = tmp_path / "texture.dds"
     path.write_bytes(gpu.dds(gpu.texture_image(packed, TexelGrid(8, 4))))
     with pillow.open(path) as opened:
-        first = packed.packed.bytes[:, :4].reshape(4, 8, 4)
+        first = packed.bytes[:, :4].reshape(4, 8, 4)
         assert np.array_equal(np.asarray(opened), first)
 
 

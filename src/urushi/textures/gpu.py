@@ -14,7 +14,8 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.export.statements import Texels
-from urushi.textures.store import TexelGrid, Texture
+from urushi.textures.packing import Texture
+from urushi.textures.store import TexelGrid
 
 
 class Image(NamedTuple):
@@ -31,13 +32,13 @@ class Image(NamedTuple):
 def texture_image(texture: Texture, grid: TexelGrid) -> Image:
     """The image of a latent texture: uint8 (layers, height, width, 4)."""
     layers = _layers(texture)
-    rows = texture.packed.bytes[:, : 4 * layers].reshape(grid.height, grid.width, layers, 4)
+    rows = texture.bytes[:, : 4 * layers].reshape(grid.height, grid.width, layers, 4)
     return Image(rows.transpose(2, 0, 1, 3), is_volume=False)
 
 
 def texels(texture: Texture, grid: TexelGrid) -> Texels:
     """The layout by which shaders read a texture's codes."""
-    layout, packed = texture
+    layout = texture.layout
     if layout.channels not in (1, 3):
         raise ParameterError(
             f"the texture has {layout.channels} channels; only textures of one or three can be "
@@ -45,7 +46,7 @@ def texels(texture: Texture, grid: TexelGrid) -> Texels:
         )
     numbers = []
     for number in range(layout.size):
-        offset, step = float(packed.lowest[number]), float(packed.step[number])
+        offset, step = float(texture.lowest[number]), float(texture.step[number])
         high, low = layout.high[number], layout.low[number]
         channels = []
         for channel in range(layout.channels):

@@ -9,7 +9,6 @@ in the same way and add them afterwards. Numbers that are equal in the whole tex
 numbers that are equal in all channels are stored once.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -59,20 +58,82 @@ class TexelLayout(NamedTuple):
         """Where the part that holds a number of a channel begins."""
         return 0 if self.same[number] else self.shared + channel * self.stride
 
+    @property
+    def places(self) -> np.ndarray:
+        """Where a texel holds the low and the high byte of each number, (channels * size * 2).
 
-class PackedTexels(NamedTuple):
-    """A packed texture."""
+        A byte that is zero everywhere, the last of a texel and one more, has no place in the texel.
+        """
+        result = np.full((self.channels, self.size, 2), self.texel_bytes)
+        for channel, number in np.ndindex(self.channels, self.size):
+            start, high, low = self.start(channel, number), self.high[number], self.low[number]
+            if low >= 0:
+                result[channel, number] = start + low, start + high
+            elif high >= 0:
+                result[channel, number, 0] = start + high
+        return result.ravel()
 
-    bytes: np.ndarray  # uint8 (..., B), B = `TexelLayout.texel_bytes`
+
+class Texture(NamedTuple):
+    """Packed codes of texels."""
+
+    layout: TexelLayout
+    bytes: np.ndarray  # uint8 (T, B), B = `TexelLayout.texel_bytes`
     lowest: np.ndarray  # float32 (size,): a number's smallest value
     step: np.ndarray  # float32 (size,): the size of one step
 
+    @classmethod
+    def of(cls, model: Model, codes: np.ndarray) -> "Texture":
+        """Pack codes float32 (T, channels, size) of a model."""
+        lowest, highest = codes.min(axis=(0, 1)), codes.max(axis=(0, 1))
+        errors = rounding_errors(model, codes.reshape(-1, codes.shape[-1]), lowest, highest)
+        same = (codes == codes[:, :1]).all(axis=(0, 1))
+        layout = texel_layout(codes.shape[1], errors, lowest == highest, same)
+        step = ((highest - lowest) / layout.levels).astype(np.float32)
+        texels = np.zeros((len(codes), layout.texel_bytes), np.uint8)
+        texture = cls(layout, texels, lowest, step)
+        fill_blocks(texels, texture._bytes, codes)
+        return texture
+
+    def codes(self) -> np.ndarray:
+        """The codes float32 (T, channels, size)."""
+        layout = self.layout
+        codes = np.empty((len(self.bytes), layout.channels * layout.size), np.float32)
+        fill_blocks(codes, self._codes, self.bytes)
+        return codes.reshape(len(codes), layout.channels, layout.size)
+
+    def _bytes(self, codes: np.ndarray) -> np.ndarray:
+        """Bytes (T, B) of codes (T, channels, size)."""
+        layout = self.layout
+        inverse = (1 / np.where(self.step > 0, self.step, 1)).astype(np.float32)
+        highest = layout.levels.astype(np.float32)
+        # One row for each texel: NumPy is slow along axes as short as a code.
+        lowest, inverse, highest = (
+            np.tile(x, layout.channels) for x in (self.lowest, inverse, highest)
+        )
+        levels = codes.astype(np.float32, order="C").reshape(len(codes), len(lowest))
+        levels -= lowest
+        levels *= inverse
+        np.rint(levels, out=levels)
+        levels.clip(0, highest, out=levels)
+        # A texel's bytes are chosen from the low and the high byte of every number.
+        both = levels.astype("<u2").view(np.uint8)
+        source = np.zeros(layout.texel_bytes + 1, np.intp)
+        source[layout.places] = np.arange(both.shape[1])
+        result = np.zeros((len(codes), layout.texel_bytes), np.uint8)
+        result[:, : layout.used_bytes] = both.take(source[: layout.used_bytes], axis=1)
+        return result
+
+    def _codes(self, rows: np.ndarray) -> np.ndarray:
+        """Codes (T, channels * size) of bytes (T, B)."""
+        padded = np.pad(rows, [(0, 0), (0, 1)])
+        levels = padded.take(self.layout.places, axis=1).view("<u2").astype(np.float32)
+        lowest, step = (np.tile(x, self.layout.channels) for x in (self.lowest, self.step))
+        return lowest + levels * step
+
 
 def texel_layout(
-    channels: int,
-    errors: np.ndarray,
-    constant: np.ndarray | None = None,
-    same: np.ndarray | None = None,
+    channels: int, errors: np.ndarray, constant: np.ndarray, same: np.ndarray
 ) -> TexelLayout:
     """The layout of texels of codes (channels, size).
 
@@ -80,11 +141,9 @@ def texel_layout(
         channels: codes in a texel.
         errors: (size,) error of f by 8 bits of each number, see `rounding_errors`.
         constant, same: (size,) which numbers are the same in the whole texture, and in all channels
-            of a texel. None: none are.
+            of a texel.
     """
     size = len(errors)
-    constant = np.zeros(size, bool) if constant is None else constant
-    same = np.zeros(size, bool) if same is None else same
     kept = [number for number in range(size) if not constant[number]]
     price = {number: 1 if same[number] else channels for number in kept}
     order = sorted(price, key=lambda number: -errors[number])
@@ -92,46 +151,37 @@ def texel_layout(
     # Rounding errors are independent: their squares add up.
     squares = np.cumsum(np.square([errors[number] for number in order[::-1]]))
     needed = sum(squares > LIMIT**2)
-    count, least = 4, left + sum(price[number] for number in order[:needed])
-    while count < least:
-        count *= 2
+    least = left + sum(price[number] for number in order[:needed])
+    count = max(4, 1 << (least - 1).bit_length())
     left = count - left
     chosen = []
     for number in order:
         if price[number] <= left:
             left -= price[number]
             chosen.append(number)
-    parts: dict[bool, int] = {True: 0, False: 0}
+    alike = tuple(same.tolist())
+    parts = [0, 0]  # bytes of a channel's part, and of the part that channels share
     high, low = [-1] * size, [-1] * size
     for places, numbers in ((high, kept), (low, sorted(chosen))):
         for number in numbers:
-            places[number] = parts[bool(same[number])]
-            parts[bool(same[number])] += 1
-    return TexelLayout(
-        channels,
-        size,
-        tuple(high),
-        tuple(low),
-        tuple(bool(value) for value in same),
-        parts[True],
-        parts[False],
-        count,
-    )
+            places[number] = parts[alike[number]]
+            parts[alike[number]] += 1
+    stride, shared = parts
+    return TexelLayout(channels, size, tuple(high), tuple(low), alike, shared, stride, count)
 
 
 def rounding_errors(
-    log_f: Callable[[np.ndarray], np.ndarray],
-    codes: np.ndarray,
-    lowest: np.ndarray,
-    highest: np.ndarray,
+    model: Model, codes: np.ndarray, lowest: np.ndarray, highest: np.ndarray
 ) -> np.ndarray:
     """Mean relative error (size,) of f by 8 bits of each number.
 
-    Args:
-        log_f: from codes (S, size) to ln f (S, P) at some pairs, as `log_values`.
-        codes: (k, size), of which a few are tried.
-        lowest, highest: (size,) the ranges.
+    codes: (k, size), of which a few are tried. lowest, highest: (size,) the ranges.
     """
+    wi, wo = (w[::PAIR_STRIDE] for w in model.networks.pairs())
+
+    def log_f(codes: np.ndarray) -> np.ndarray:
+        return np.log(model.networks.f(codes[:, None], wi, wo))
+
     some = codes[:: -(-len(codes) // SAMPLE)].astype(np.float32)
     before = log_f(some)
     shift = (highest - lowest).astype(np.float32) / (4 * 255)  # mean distance to the nearest level
@@ -143,72 +193,3 @@ def rounding_errors(
         moved[:, number] += np.where(some[:, number] < middle, shift[number], -shift[number])
         errors[number] = np.abs(log_f(moved) - before).mean()
     return errors
-
-
-def log_values(model: Model, codes: np.ndarray) -> np.ndarray:
-    """ln f (S, P) of codes (S, size) at some of the probe pairs."""
-    wi, wo = (w[::PAIR_STRIDE] for w in model.networks.pairs())
-    return np.log(model.networks.f(codes[:, None], wi, wo))
-
-
-def pack(
-    layout: TexelLayout, codes: np.ndarray, lowest: np.ndarray, highest: np.ndarray
-) -> PackedTexels:
-    """Pack texels of codes (m, channels, size), whose numbers have these ranges (size,)."""
-    bottom = lowest.astype(np.float32)
-    step = ((highest - bottom) / layout.levels).astype(np.float32)
-    packed = PackedTexels(np.zeros((len(codes), layout.texel_bytes), np.uint8), bottom, step)
-    fill_blocks(packed.bytes, lambda z: _bytes(layout, packed, z), codes)
-    return packed
-
-
-def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.ndarray:
-    inverse = (1 / np.where(packed.step > 0, packed.step, 1)).astype(np.float32)
-    highest = layout.levels.astype(np.float32)
-    # One row for each texel: NumPy is slow along axes as short as a code.
-    lowest, inverse, highest = (
-        np.tile(x, layout.channels) for x in (packed.lowest, inverse, highest)
-    )
-    levels = codes.astype(np.float32, order="C").reshape(len(codes), len(lowest))
-    levels -= lowest
-    levels *= inverse
-    np.rint(levels, out=levels)
-    np.maximum(levels, 0, out=levels)
-    np.minimum(levels, highest, out=levels)
-    # A texel's bytes are chosen from the low and the high byte of every number.
-    both = levels.astype("<u2").view(np.uint8)
-    source = np.zeros(layout.texel_bytes + 1, np.intp)
-    source[_places(layout)] = np.arange(both.shape[1])
-    result = np.zeros((len(codes), layout.texel_bytes), np.uint8)
-    result[:, : layout.used_bytes] = both.take(source[: layout.used_bytes], axis=1)
-    return result
-
-
-def _places(layout: TexelLayout) -> np.ndarray:
-    """Where a texel holds the low and the high byte of each number, (channels * size * 2).
-
-    A byte that is zero everywhere, the last of a texel and one more, has no place in the texel.
-    """
-    result = np.full((layout.channels, layout.size, 2), layout.texel_bytes)
-    for channel in range(layout.channels):
-        for number, (high, low) in enumerate(zip(layout.high, layout.low, strict=True)):
-            start = layout.start(channel, number)
-            if low >= 0:
-                result[channel, number] = start + low, start + high
-            elif high >= 0:
-                result[channel, number, 0] = start + high
-    return result.ravel()
-
-
-def unpack(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
-    """Codes float32 (T, channels, size) of bytes (T, B)."""
-    codes = np.empty((len(packed.bytes), layout.channels * layout.size), np.float32)
-    fill_blocks(codes, lambda rows: _codes(layout, packed, rows), packed.bytes)
-    return codes.reshape(len(codes), layout.channels, layout.size)
-
-
-def _codes(layout: TexelLayout, packed: PackedTexels, rows: np.ndarray) -> np.ndarray:
-    """Codes (T, channels * size) of bytes (T, B)."""
-    padded = np.pad(rows, [(0, 0), (0, 1)])
-    levels = padded.take(_places(layout), axis=1).view("<u2").astype(np.float32)
-    return np.tile(packed.lowest, layout.channels) + levels * np.tile(packed.step, layout.channels)

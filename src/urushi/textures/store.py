@@ -1,10 +1,9 @@
-"""A latent texture: its grid of texels over uv, its packed codes, and its file."""
+"""The grid of a latent texture's texels over uv, and its file."""
 
 import json
 import os
 import zlib
 from collections.abc import Mapping
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,11 +11,13 @@ import numpy as np
 from urushi import files
 from urushi.errors import FileError
 from urushi.nets.weights import Model, model_of_file
-from urushi.textures import packing
-from urushi.textures.packing import PackedTexels, TexelLayout
+from urushi.textures.packing import TexelLayout, Texture
 
 #: Kind of the files of textures, and its version.
 KIND, FORMAT_VERSION = "texture", 4
+
+#: Names in files of the arrays of a `Texture`.
+ARRAYS = ("texels", "lowest", "step")
 
 #: Texture space equal to uv.
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
@@ -57,33 +58,10 @@ def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
     return np.linalg.solve(matrix[:, :2], (points - matrix[:, 2]).T).T
 
 
-class Texture(NamedTuple):
-    """Packed codes of texels."""
-
-    layout: TexelLayout
-    packed: PackedTexels
-
-    @classmethod
-    def of(cls, model: Model, codes: np.ndarray) -> "Texture":
-        """Pack codes float32 (T, channels, size)."""
-        lowest, highest = codes.min(axis=(0, 1)), codes.max(axis=(0, 1))
-        errors = packing.rounding_errors(
-            partial(packing.log_values, model), codes.reshape(-1, codes.shape[-1]), lowest, highest
-        )
-        same = (codes == codes[:, :1]).all(axis=(0, 1))
-        layout = packing.texel_layout(codes.shape[1], errors, lowest == highest, same)
-        return cls(layout, packing.pack(layout, codes, lowest, highest))
-
-    def codes(self) -> np.ndarray:
-        """The codes float32 (T, channels, size)."""
-        return packing.unpack(self.layout, self.packed)
-
-
 def write_texture(
     path: str | os.PathLike, texture: Texture, grid: TexelGrid, fingerprint: str
 ) -> None:
     """Write a texture over `grid` that the weights with this fingerprint have made."""
-    packed = texture.packed
     description = {
         "version": FORMAT_VERSION,
         "weights": fingerprint,
@@ -92,8 +70,8 @@ def write_texture(
         "layout": texture.layout._asdict(),
         "place": {"to_texture": grid.to_texture, "wrap": grid.wrap, "nearest": grid.nearest},
     }
-    description["checksum"] = _checksum(description, packed)
-    arrays = {"texels": packed.bytes, "lowest": packed.lowest, "step": packed.step}
+    arrays = dict(zip(ARRAYS, texture[1:], strict=True))
+    description["checksum"] = _checksum(description, arrays)
     files.write_tensors(path, KIND, description, arrays)
 
 
@@ -111,9 +89,7 @@ def read_texture(
     model = model_of_file(path, description.get("weights"), model)
     try:
         del description["kind"]
-        packed = PackedTexels(arrays["texels"], arrays["lowest"], arrays["step"])
-        checksum = description.pop("checksum")
-        if checksum != _checksum(description, packed):
+        if description.pop("checksum") != _checksum(description, arrays):
             raise ValueError("its content has changed")
         entries: dict[str, Any] = {
             n: tuple(x) if isinstance(x, list) else x for n, x in description["layout"].items()
@@ -121,14 +97,14 @@ def read_texture(
         place = description["place"]
         place["to_texture"] = tuple(map(tuple, place["to_texture"]))
         grid = TexelGrid(description["width"], description["height"], **place)
-        texture = Texture(TexelLayout(**entries), packed)
+        texture = Texture(TexelLayout(**entries), *(arrays[name] for name in ARRAYS))
     except (KeyError, TypeError, ValueError) as error:
         raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error
     return texture, grid, model
 
 
-def _checksum(description: Mapping[str, Any], packed: PackedTexels) -> int:
+def _checksum(description: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> int:
     checksum = zlib.crc32(json.dumps(description, sort_keys=True).encode())
-    for array in packed:
-        checksum = zlib.crc32(np.ascontiguousarray(array).data, checksum)
+    for name in ARRAYS:
+        checksum = zlib.crc32(np.ascontiguousarray(arrays[name]).data, checksum)
     return checksum

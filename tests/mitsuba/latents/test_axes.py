@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.mitsuba.probes import strip
+from tests.mitsuba.probes import bitmap, strip
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.mitsuba.reading import probing
@@ -46,51 +46,99 @@ def _unit(mi):
     return mi.ScalarTransform4f().translate([0.5, 0.5, 0]).scale(0.5)
 
 
-def albedo(mi, description: dict, si) -> np.ndarray:
+def albedo(mi, bsdf, si) -> np.ndarray:
     """The mean albedo over interactions by a plugin's own samples."""
     rng = np.random.default_rng(1)
     numbers = (
         mi.Float(np.float32(rng.random(COUNT))),
         mi.Point2f(*np.float32(rng.random((2, COUNT)))),
     )
-    return mi.load_dict(description).sample(mi.BSDFContext(), si, *numbers)[1].numpy().mean(axis=1)
+    return bsdf.sample(mi.BSDFContext(), si, *numbers)[1].numpy().mean(axis=1)
 
 
-def varnishes(mi) -> dict[str, dict]:
-    """Coats with textures that texels of one grid represent badly."""
+def noise(mi, channels: int, seed: int = 0):
+    data = np.random.default_rng(seed).uniform(0.1, 0.9, (8, 8, channels))
+    return mi.load_dict(bitmap(data))
+
+
+def varnishes(mi) -> dict[str, tuple[dict, set[str]]]:
+    """Coats with textures that texels of one grid represent badly, and the names of their axes."""
     turned = mi.ScalarTransform3f().rotate(30).scale([3, 2])
     checkers = {"type": "checkerboard", "color0": 0.05, "color1": 0.8}
+    shared = noise(mi, 1)
     return {
-        "checkerboard": {"base": {"type": "diffuse", "reflectance": checkers}},
-        "two transforms": {
-            "alpha": strip(0.05, 0.4, to_uv=turned),
-            "base": GOLD | {"alpha": strip(0.1, 0.5, 0.3)},
-        },
-        "indices near one": {
-            "alpha": 0.3,
-            "ext_ior": 1.0,
-            "int_ior": strip(1.01, 1.1, 2.5, filter_type="nearest"),
-            "base": {"type": "diffuse", "reflectance": 0.8},
-        },
-        "vertex colours": {
-            "base": {
-                "type": "principled",
-                "base_color": {"type": "mesh_attribute", "name": "vertex_color"},
-                "roughness": 0.4,
-            }
-        },
+        "checkerboard": (
+            {"base": {"type": "diffuse", "reflectance": checkers}},
+            {"bottom.reflectance"},
+        ),
+        "two transforms": (
+            {
+                "alpha": strip(0.05, 0.4, to_uv=turned),
+                "base": GOLD | {"alpha": strip(0.1, 0.5, 0.3)},
+            },
+            {"alpha", "bottom.alpha"},
+        ),
+        "indices near one": (
+            {
+                "alpha": 0.3,
+                "ext_ior": 1.0,
+                "int_ior": strip(1.01, 1.1, 2.5, filter_type="nearest"),
+                "base": {"type": "diffuse", "reflectance": 0.8},
+            },
+            {"eta"},
+        ),
+        "vertex colours": (
+            {
+                "base": {
+                    "type": "principled",
+                    "base_color": {"type": "mesh_attribute", "name": "vertex_color"},
+                    "roughness": 0.4,
+                }
+            },
+            {"bottom.base_color"},
+        ),
+        # Parameters of one texture lie along one axis, if one is a function of the other.
+        "a pigment's colour": (
+            {"body": 0.6, "body_color": noise(mi, 3), "base": GOLD},
+            {"albedo"},
+        ),
+        "two roughnesses": ({"alpha": shared, "base": GOLD | {"alpha": shared}}, {"alpha"}),
+        "two textures": (
+            {"alpha": shared, "base": GOLD | {"alpha": noise(mi, 1, seed=1)}},
+            {"alpha", "bottom.alpha"},
+        ),
     }
 
 
 @pytest.mark.parametrize(
-    "name", ["checkerboard", "two transforms", "indices near one", "vertex colours"]
+    "name",
+    [
+        *("checkerboard", "two transforms", "indices near one", "vertex colours"),
+        *("a pigment's colour", "two roughnesses", "two textures"),
+    ],
 )
 def test_albedos_agree_with_the_walk(rgb, name):
     """Within 1 %: the walk's noise is half of it."""
-    coat = {"alpha": 0.1, "int_ior": 1.5} | varnishes(rgb)[name]
+    described, axes = varnishes(rgb)[name]
+    coat = {"alpha": 0.1, "int_ior": 1.5} | described
     si = interactions(rgb, square(rgb) if name == "vertex colours" else None)
-    found, walk = (albedo(rgb, coat | {"type": x}, si) for x in ("neural_layered", "layered"))
+    bsdfs = [rgb.load_dict(coat | {"type": x}) for x in ("neural_layered", "layered")]
+    assert {axis.name for axis in bsdfs[0].latents.baked.axes} == axes
+    found, walk = (albedo(rgb, bsdf, si) for bsdf in bsdfs)
     np.testing.assert_allclose(found, walk, rtol=0.01)
+
+
+def test_an_edit_of_texels_keeps_the_codes_unless_the_relation_changes(rgb):
+    described = {"type": "neural_layered", "body": 0.6, "body_color": noise(rgb, 3)}
+    bsdf = rgb.load_dict(described | {"base": {"type": "diffuse"}})
+    parameters, baked = rgb.traverse(bsdf), bsdf.latents.baked
+    texels = np.array(parameters["body_color.data"])
+    parameters["body_color.data"] = rgb.TensorXf(texels[::-1, ::-1].copy())
+    parameters.update()
+    assert bsdf.latents.baked is baked
+    parameters["body.value"] = 0.4  # of the same colours, other depths
+    parameters.update()
+    assert bsdf.latents.baked is not baked
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.6])
@@ -101,8 +149,11 @@ def test_masks_of_metal_and_rust(rgb, alpha, weight):
     mask = strip(0.0, 0.05, 1.0, filter_type="nearest", wrap_mode="clamp")
     coat = {"alpha": alpha, "int_ior": 1.5}
     si = interactions(rgb, u=(0.5 + [0.0, 0.05, 1.0].index(weight)) / 3)
-    found = albedo(rgb, {"type": "neural_layered", "base": blend | {"weight": mask}} | coat, si)
-    walk = albedo(rgb, {"type": "layered", "base": blend | {"weight": weight}} | coat, si)
+    coats = (
+        coat | {"type": "neural_layered", "base": blend | {"weight": mask}},
+        coat | {"type": "layered", "base": blend | {"weight": weight}},
+    )
+    found, walk = (albedo(rgb, rgb.load_dict(x), si) for x in coats)
     np.testing.assert_allclose(found, walk, rtol=0.02)
 
 
@@ -117,7 +168,8 @@ def test_half_way_between_two_texels(rgb, name):
         "albedo": {"albedo": row, "sigma_t": 2.0, "base": RUST},
     }[name]
     si = interactions(rgb, u=0.5)
-    found, walk = (albedo(rgb, coat | {"type": x}, si) for x in ("neural_layered", "layered"))
+    bsdfs = [rgb.load_dict(coat | {"type": x}) for x in ("neural_layered", "layered")]
+    found, walk = (albedo(rgb, bsdf, si) for bsdf in bsdfs)
     np.testing.assert_allclose(found, walk, rtol=0.05)
 
 

@@ -145,6 +145,14 @@ def test_a_damaged_file_is_refused(rgb, networks, saved, change):
         loaded(rgb, path, networks)
 
 
+@pytest.mark.parametrize("version", [1, 2, 3, 5])
+def test_other_versions_are_refused(rgb, networks, saved, version):
+    _, path = saved
+    rewritten(path, lambda description, arrays: description.update(version=version))
+    with pytest.raises(RuntimeError, match=f"FileError: .* version {version} of the texture"):
+        loaded(rgb, path, networks)
+
+
 def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
     _, path = saved
     other = tmp_path / "other.safetensors"

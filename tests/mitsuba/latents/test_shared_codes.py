@@ -8,6 +8,7 @@ from tests.untrained import untrained
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.material.material import Material
+from urushi.mitsuba import spectrum
 from urushi.nets.weights import Model
 from urushi.textures.baking import Baked
 from urushi.textures.store import TexelGrid
@@ -31,30 +32,28 @@ def codes(model) -> np.ndarray:
     return codes
 
 
+@pytest.fixture
 def points() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Directions wi, wo (N, 3) and uv (N, 2)."""
     pairs = cosine_pairs(np.random.default_rng(0), COUNT, lowest_cosine=0.02)
     return *pairs, np.random.default_rng(4).random((COUNT, 2))
 
 
-def values(mi, latents) -> np.ndarray:
+def values(mi, latents, wi, wo, uv) -> np.ndarray:
     """f (C, N)."""
-    wi, wo, uv = points()
-    si = dr.zeros(mi.SurfaceInteraction3f, COUNT)
-    si.wi, out = (vector(w) for w in (wi, wo))
-    si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
-    active = dr.full(mi.Bool, True, COUNT)
-    f, _ = latents.f_and_pdf(latents.vertex(si, active), si, out, active)
+    si = spectrum.points(uv)
+    si.wi, active = vector(wi), dr.full(mi.Bool, True, COUNT)
+    f, _ = latents.f_and_pdf(latents.vertex(si, active), si, vector(wo), active)
     return np.stack([x.numpy() for x in f])
 
 
-def test_a_constant_of_one_code(rgb, model, codes):
+def test_a_constant_of_one_code(rgb, model, codes, points):
     from urushi.mitsuba.latents.codes import ConstantLatents
 
     shared, separate = (
         ConstantLatents(Material(codes[channels], model)) for channels in (SAME, OTHER)
     )
-    found, expected = values(rgb, shared), values(rgb, separate)
+    found, expected = (values(rgb, x, *points) for x in (shared, separate))
     assert found.shape == (3, COUNT)
     assert (found == found[0]).all()
     # The compiler may contract the products of one kernel and not of the other.
@@ -64,7 +63,7 @@ def test_a_constant_of_one_code(rgb, model, codes):
     np.testing.assert_array_equal(shared.at(np.zeros((1, 2)))[0], codes[SAME])
 
 
-def test_a_texture_of_one_code_a_texel(rgb, model, codes):
+def test_a_texture_of_one_code_a_texel(rgb, model, codes, points):
     """The values are those of the codes that are looked up."""
     from urushi.mitsuba.latents.over_axes import AxisLatents
     from urushi.mitsuba.latents.texels import texel_axes
@@ -72,9 +71,8 @@ def test_a_texture_of_one_code_a_texel(rgb, model, codes):
     grid, texels = TexelGrid(2, 2), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]]
     latents = AxisLatents(Baked.of_texels(model, texels, grid), texel_axes(grid))
     assert latents.channels == 3
-    wi, wo, _ = points()
-    expected = model.networks.f(codes[:, None], wi, wo)
-    found = values(rgb, latents)
+    expected = model.networks.f(codes[:, None], *points[:2])
+    found = values(rgb, latents, *points)
     assert found.shape == (3, COUNT)
     assert (found == found[0]).all()
     # One texel is drawn. Logarithms of small half angles are rounded.

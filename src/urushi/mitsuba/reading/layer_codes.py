@@ -31,7 +31,8 @@ from urushi.nets.weights import Model
 from urushi.textures.axes import Varying
 from urushi.textures.baking import AXES, Baked, bake
 from urushi.textures.layering import layer_rows
-from urushi.textures.store import ONE_TEXEL, TexelGrid, Texture
+from urushi.textures.packing import Texture
+from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 #: Texels per side of what is no bitmap, the least and the largest side that is chosen, and texels
 #: that are read at once.
