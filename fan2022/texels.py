@@ -17,7 +17,7 @@ from fan2022.kernels import PaperDecoder, PaperSampler, separate_kernels
 from fan2022.networks import PaperNetworks
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.texels import drawn_texel, texel_draw
+from urushi.mitsuba.latents.texels import drawn_texel
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
 from urushi.mitsuba.recording import only_where, owned
 from urushi.textures.store import ONE_TEXEL, TexelGrid
@@ -84,10 +84,8 @@ class CodeTexture:
 
     def vertex(self, si) -> list[list]:
         """The codes at a surface interaction: a list (32) of Dr.Jit floats for each channel."""
-        sizes, channels = (mi.Int32(self.grid.width), mi.Int32(self.grid.height)), self._channels
-        draw = texel_draw(si.uv, si.wi)
-        column, row = drawn_texel((si.uv.x, si.uv.y), sizes, self.grid, draw)
-        first = mi.UInt32(row * sizes[0] + column) * channels
+        channels, (column, row) = self._channels, drawn_texel(si, self.grid)
+        first = mi.UInt32(row * mi.Int32(self.grid.width) + column) * channels
         return [
             [dr.gather(mi.Float, self._numbers, (first + c) * LATENT + i) for i in range(LATENT)]
             for c in range(channels)

@@ -84,7 +84,9 @@ class ConstantLatents(EvaluatedCodes):
             rows = np.array([self._code_terms(z[None])[0] for z in latents], np.float32)
             self._decoder_terms = [owned(mi.Float, rows)]
         else:
-            self._decoder_terms = [_opaque(terms) for terms in self._code_terms(latents)]
+            # Read from memory, so that all materials share compiled code
+            self._decoder_terms = [[*map(mi.Float, terms)] for terms in self._code_terms(latents)]
+            dr.make_opaque(self._decoder_terms)
         mean = material.latents.mean(axis=0)
         self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
         self._codes: Any = None  # with gradients
@@ -160,10 +162,3 @@ class ConstantLatents(EvaluatedCodes):
         count, size = self.material.latents.shape
         table = "" if self.material.table is None else ", with a table"
         return f"{count} x {size}{table}"
-
-
-def _opaque(values: Sequence[float]) -> list:
-    """Dr.Jit scalars that kernels read from memory, so that all materials share compiled code."""
-    scalars = [mi.Float(value) for value in values]
-    dr.make_opaque(scalars)
-    return scalars

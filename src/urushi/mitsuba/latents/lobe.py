@@ -13,14 +13,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.namespace import DRJIT
-from urushi.nets.lobe import (
-    COSINES,
-    FEATURES,
-    NUMBERS,
-    WIDTH_PLACES,
-    feature_columns,
-    reflectance_of,
-)
+from urushi.nets.lobe import NUMBERS, WIDTH_PLACES, reflectance_of
 from urushi.nets.transmittance import has_edges, transmittance
 
 
@@ -172,10 +165,3 @@ def reflectance(lobe: Sequence, cosine, kind: LobeKind):
     needed = kind.needed
     numbers = [lobe[i] if needed[i] else None for i in range(1, 6)]
     return reflectance_of(numbers, cosine, DRJIT)
-
-
-def lobe_features(lobe: Sequence, kind: LobeKind) -> list:
-    """The features of a lobe (N), see `nets.lobe.lobe_features`."""
-    at = [reflectance(lobe, cosine, kind) for cosine in COSINES]
-    alphas = [lobe[place] for place in WIDTH_PLACES[kind.widths]]
-    return FEATURES[kind.widths].each(feature_columns(alphas, at, DRJIT))

@@ -1,6 +1,7 @@
 """Evaluation of Mitsuba BSDFs at pairs of directions."""
 
-from typing import NamedTuple
+import itertools
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -41,22 +42,17 @@ ANISOTROPIC_BUDGET = 1 << 32
 KERNEL_EVALUATIONS = 4
 
 
-def interaction(
-    wi: np.ndarray, uv: np.ndarray, repeat: float | np.ndarray = 0.0
-) -> "mi.SurfaceInteraction3f":
-    """Surface interactions (M) seen from wi (M, 3) at uv (M, 2), in the frame of the coordinates.
+def interaction(wi: Any, uv: Any, repeat: float | np.ndarray = 0.0) -> "mi.SurfaceInteraction3f":
+    """Surface interactions (M) seen from wi at uv, in the frame of the coordinates.
 
-    repeat: the time, one number or (M,). BSDFs that draw random numbers draw others at another
-        time.
+    Args:
+        wi, uv: arrays (M, 3) and (M, 2), or vectors of Mitsuba's.
+        repeat: the time, one number or (M,). BSDFs that draw random numbers draw others at another
+            time.
     """
-    return _interaction(_vector(wi), mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), repeat)
-
-
-def _interaction(
-    wi: "mi.Vector3f", uv: "mi.Point2f", repeat: float | np.ndarray
-) -> "mi.SurfaceInteraction3f":
+    wi = _vector(wi)
     si = dr.zeros(mi.SurfaceInteraction3f, dr.width(wi))
-    si.wi, si.uv = wi, uv
+    si.wi, si.uv = wi, _vector(uv, mi.Point2f)
     si.time = mi.Float(repeat)
     dr.make_opaque(si.time)  # a constant would make another kernel each time
     si.n = mi.Normal3f(0, 0, 1)
@@ -105,49 +101,36 @@ class Averaging(NamedTuple):
     repeats: int = 1  # evaluations of each pair, for BSDFs that draw random numbers
 
     def pairs(self, wi: np.ndarray, wo: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """The pairs whose values are averaged for pairs (P, 3), without their exchange."""
-        if self.azimuths == 0:
-            return mirrored_pairs(wi, wo)
-        return list(rotated_pairs(wi, wo, self.azimuths))
+        """The pairs whose values are averaged for pairs (P, 3)."""
+        turned = rotated_pairs(wi, wo, self.azimuths) if self.azimuths else mirrored_pairs(wi, wo)
+        found = list(turned)
+        return found + [sides[::-1] for sides in found] if self.exchanged else found
 
 
 def texel_values(
     bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Averaging
 ) -> np.ndarray:
     """f float32 (M, C, P) [1/sr] at points uv (M, 2) for pairs (P, 3) above the horizon."""
-    most = max(CHUNK // len(wi), 1)
+    tables = [[_vector(w) for w in sides] for sides in average.pairs(wi, wo)]
+    count, most = average.repeats * len(tables), max(CHUNK // len(wi), 1)
     result = np.empty((len(uv), spectrum.channel_count(), len(wi)), np.float32)
     for start in range(0, len(uv), most):
         part = result[start : start + most]
-        channels = averaged_channels(bsdf, wi, wo, uv[start : start + most], average)
-        for channel, value in enumerate(channels):
-            values = np.broadcast_to(value.numpy(), len(part) * len(wi))
-            part[:, channel] = values.reshape(len(part), len(wi))
-    return result
-
-
-def averaged_channels(
-    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Averaging
-) -> list:
-    """`texel_values` of each channel (M * P), point by point, as Dr.Jit floats."""
-    index = dr.arange(mi.UInt32, len(uv) * len(wi))
-    texel = index // len(wi)
-    pair = index - texel * len(wi)
-    where = dr.gather(mi.Point2f, mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), texel)
-    averaged = average.pairs(wi, wo)
-    if average.exchanged:
-        averaged += [sides[::-1] for sides in averaged]
-    tables = [[_vector(w) for w in sides] for sides in averaged]
-    count = average.repeats * len(tables)
-    total = [mi.Float(0)] * spectrum.channel_count()
-    for repeat in range(average.repeats):
-        for table in tables:
+        index = dr.arange(mi.UInt32, len(part) * len(wi))
+        texel = index // len(wi)
+        pair = index - texel * len(wi)
+        where = dr.gather(mi.Point2f, _vector(uv[start : start + most], mi.Point2f), texel)
+        total = [mi.Float(0)] * part.shape[1]
+        for repeat, table in itertools.product(range(average.repeats), tables):
             a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
-            channels = bsdf_channels(bsdf, _interaction(a, where, float(repeat)), b)
+            channels = bsdf_channels(bsdf, interaction(a, where, float(repeat)), b)
             total = [x + y for x, y in zip(total, channels, strict=True)]
             if count > KERNEL_EVALUATIONS:
                 dr.eval(total)
-    return [value / count for value in total]
+        for channel, value in enumerate(total):
+            values = np.broadcast_to((value / count).numpy(), len(part) * len(wi))
+            part[:, channel] = values.reshape(len(part), len(wi))
+    return result
 
 
 def needed_averaging(
@@ -211,5 +194,8 @@ def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
     return spectrum.stacked(channels, len(uv))
 
 
-def _vector(w: np.ndarray) -> "mi.Vector3f":
-    return mi.Vector3f(np.ascontiguousarray(w.T, np.float32))
+def _vector(w: Any, kind: Any = None) -> Any:
+    """An array (M, 3) as `mi.Vector3f`, or as another kind; a vector of Mitsuba's as it is."""
+    if not isinstance(w, np.ndarray):
+        return w
+    return (kind or mi.Vector3f)(np.ascontiguousarray(w.T, np.float32))
