@@ -6,8 +6,10 @@ import pytest
 from tests.mitsuba.probes import vector
 from tests.untrained import untrained
 
+from urushi.core.direction_sets import cosine_pairs
 from urushi.core.table import interpolated
 from urushi.material.material import Material
+from urushi.mitsuba import spectrum
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets import transmittance
 from urushi.nets.basis import decode
@@ -69,19 +71,19 @@ def constant(model, z, tensor=None):
     return ConstantLatents(Material(z, model), tensor)
 
 
-def textured(model, z):
-    """A texture of 4 x 2 equal texels."""
+def textured(model, *codes):
+    """A texture of 4 x 2 texels, in turn of these codes."""
     from urushi.mitsuba.latents.over_axes import AxisLatents
     from urushi.mitsuba.latents.texels import texel_axes
 
-    grid = TexelGrid(4, 2)
-    baked = Baked.of_texels(model, np.broadcast_to(z, (8, *z.shape)), grid)
-    return AxisLatents(baked, texel_axes(grid))
+    grid, texels = TexelGrid(4, 2), np.stack(codes * (8 // len(codes)))
+    return AxisLatents(Baked.of_texels(model, texels, grid), texel_axes(grid))
 
 
 def evaluated(mi, latents, wi, wo) -> list:
-    """f (N) of each channel, Dr.Jit floats."""
-    si, active = dr.zeros(mi.SurfaceInteraction3f, len(wi)), mi.Bool(np.ones(len(wi), bool))
+    """f (N) of each channel, Dr.Jit floats, at random places."""
+    uv = np.random.default_rng(4).random((len(wi), 2))
+    si, active = spectrum.points(uv), mi.Bool(np.ones(len(wi), bool))
     si.wi = vector(wi)
     return latents.f_and_pdf(latents.vertex(si, active), si, vector(wo), active)[0]
 
@@ -104,6 +106,29 @@ def test_f_agrees_with_numpy_and_is_reciprocal_to_the_last_bit(rgb, model, name,
     np.testing.assert_allclose(f, expected, rtol=5e-3)
     back = np.stack([x.numpy() for x in evaluated(rgb, latents, wo, wi)], axis=-1)
     np.testing.assert_array_equal(f, back)
+
+
+@pytest.mark.parametrize("widths", [1, 2])
+@pytest.mark.parametrize("codes_of", [constant, textured])
+def test_channels_of_one_code_are_evaluated_once(rgb, codes_of, widths):
+    """And have the values of channels on their own; of texels, one is drawn."""
+    model = untrained(3, functions=8, widths=widths)
+    z = np.random.default_rng(1).normal(size=(2, model.arch.latent)).astype(np.float32)
+    z[:, : model.arch.lobe] = [(0.2, 0, 0, 1, 1.5, 0, 0.1)[: model.arch.lobe]] * 2
+    wi, wo = cosine_pairs(np.random.default_rng(0), 500, lowest_cosine=0.02)
+    expected = model.networks.f(z[:, None], wi, wo)
+    assert not np.allclose(*expected, rtol=1e-2)
+    same = codes_of(model, z[[0, 0, 0]], *([z[[1, 1, 1]]] if codes_of is textured else []))
+    assert same.channels == 3
+    np.testing.assert_array_equal(same.at(np.zeros((1, 2)))[0], z[[0, 0, 0]])
+    f = np.array([x.numpy() for x in evaluated(rgb, same, wi, wo)])
+    assert f.shape == (3, 500) and (f == f[0]).all()
+    # Logarithms of small half angles are rounded.
+    own = expected if codes_of is textured else expected[:1]
+    assert (np.abs(f[0] / own - 1).min(axis=0) < 2e-3).all()
+    other = evaluated(rgb, codes_of(model, z[[0, 0, 1]]), wi, wo)
+    for x, code in zip(other, (0, 0, 1), strict=True):
+        np.testing.assert_allclose(x.numpy(), expected[code], rtol=2e-3)
 
 
 def slopes(model, codes, wi, wo):

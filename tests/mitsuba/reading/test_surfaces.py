@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap
+from tests.mitsuba.probes import bitmap, f
 from tests.untrained import untrained
 
 from urushi.checks import CoatParameters
@@ -38,6 +38,14 @@ UNKNOWN = {
     "beckmann": GGX | {"distribution": "beckmann"},
     "plastic": {"type": "roughplastic"},
     "principled": {"type": "principled"},
+}
+ROUGH = {"type": "roughplastic", "alpha": 0.3, "diffuse_reflectance": 0.8}
+NONLINEAR = ROUGH | {"nonlinear": True, "int_ior": 1.7, "ext_ior": 1.2}
+MADE_AGAIN = {
+    "both plastics": {"type": "blendbsdf", "weight": 0.4, "a": ROUGH, "b": NONLINEAR},
+    "specular": {"type": "principled", "specular": 0.9},
+    "eta": {"type": "principled", "eta": 1.8, "clearcoat": 0.5},
+    "pplastic": {"type": "pplastic", "int_ior": 1.3, "alpha_u": 0.3, "alpha_v": 0.2},
 }
 
 
@@ -78,6 +86,14 @@ def test_other_bsdfs_are_known_by_their_values_alone(rgb, name):
     assert known.lobes(None) is None and not known.lobe_only and known.reflectance is None
 
 
+@pytest.mark.parametrize("name", MADE_AGAIN)
+def test_a_bsdf_that_is_made_again_of_its_textures_reflects_the_same(rgb, name):
+    from urushi.mitsuba.reading.changed import replaced
+
+    bsdf = rgb.load_dict(MADE_AGAIN[name])
+    np.testing.assert_array_equal(f(replaced(bsdf, lambda x: x), WI, WO), f(bsdf, WI, WO))
+
+
 def test_a_bare_bsdf_is_encoded_exactly(rgb, model):
     bsdf = rgb.load_dict(KNOWN["gold"])
     expected = probing.bsdf_values(bsdf, WI, WO, np.full((len(WI), 2), 0.5))
@@ -96,8 +112,8 @@ def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
         "reflectance" if name == "diffuse" else "specular_reflectance": bitmap(pixels)
     }
     if name == "diffuse":
-        f = np.broadcast_to(pixels[..., None] / np.pi, (*pixels.shape, model.arch.probes))
-        codes = model.networks.encode(f, np.float32(lobes.NO_LOBE))
+        values = np.broadcast_to(pixels[..., None] / np.pi, (*pixels.shape, model.arch.probes))
+        codes = model.networks.encode(values, np.float32(lobes.NO_LOBE))
         bottom = limit_albedo(model, codes)
     else:
         base["alpha"] = bitmap(widths)
@@ -117,9 +133,9 @@ def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
     columns = (({"eta": 1.5} | coat)[name] for name in CoatParameters._fields)
     under = CoatParameters.of_columns([np.full(len(flat), x, np.float32) for x in columns])
     expected = transported(model, flat, under).reshape(bottom.shape)
-    f, of_layer = (model.networks.f(z[..., None, :], WI, WO) for z in (found, expected))
+    of_texels, of_layer = (model.networks.f(z[..., None, :], WI, WO) for z in (found, expected))
     # The bits of textures leave an error of 0.07 % in the bottom and in the coat.
-    assert (np.abs(f - of_layer).mean(axis=-1) < 3e-3 * of_layer.mean(axis=-1)).all()
+    assert (np.abs(of_texels - of_layer).mean(axis=-1) < 3e-3 * of_layer.mean(axis=-1)).all()
 
 
 @pytest.mark.parametrize("value", (-0.5, np.nan))
