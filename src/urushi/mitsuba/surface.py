@@ -142,7 +142,7 @@ class Surface(Recorded):
     def eval(self, ctx, si, wo, active=True):
         """f |cos wo|, a spectrum; this and the following are those of `mi.BSDF`."""
         at = self._at(ctx, si, active)
-        lit = at.active & self._asked(ctx, si, wo)
+        lit = self._lit(at, ctx, wo)
         f = self._f(at.vertex, ctx, at.si, at.inside(wo), lit)
         self._vertex_cache.extend()
         return dr.select(lit, f * dr.abs(wo.z), 0)
@@ -151,7 +151,7 @@ class Surface(Recorded):
         """The density of `sample` [1/sr]."""
         at = self._at(ctx, si, active)
         density = self._proposal(at.vertex, at.si, at.active).pdf(at.si.wi, at.inside(wo))
-        return dr.select(at.active & self._asked(ctx, si, wo), density, 0)
+        return dr.select(self._lit(at, ctx, wo), density, 0)
 
     def eval_pdf(self, ctx, si, wo, active=True):
         """`eval` and `pdf`."""
@@ -201,7 +201,12 @@ class Surface(Recorded):
 
     def parameters_changed(self, keys):
         """Follow a change of the parameters, or put former values back and refuse it."""
-        self._check_changeable()
+        if dr.flag(dr.JitFlag.FreezingScope):
+            raise ParameterError(
+                f"{self._where}: its parameters are updated inside a frozen function, whose "
+                "replay would not repeat the update; call parameters.update() before the "
+                "function"
+            )
         with self._snapshot.restored_on_error(self):
             self._update(keys)
         self._signature = signature_of(self)
@@ -209,20 +214,11 @@ class Surface(Recorded):
     def _update(self, keys):
         """Follow a change of the parameters that `traverse` lists."""
 
-    def _check_changeable(self):
-        """Refuse, by a ParameterError, changes while a frozen function is recorded."""
-        if dr.flag(dr.JitFlag.FreezingScope):
-            raise ParameterError(
-                f"{self._where}: its parameters are updated inside a frozen function, whose "
-                "replay would not repeat the update; call parameters.update() before the "
-                "function"
-            )
-
     def _at(self, ctx, si, active) -> Place:
         active = mi.Bool(active)
 
         def compute():
-            enabled = self._enabled(ctx, si, active)
+            enabled = active & self._faces(si.wi) & any(self._components(ctx))
             turn = self._turn(si, enabled)
             inside = si if turn is None else turn.interaction(si)
             return enabled, turn, self._vertex(inside, enabled)
@@ -233,7 +229,7 @@ class Surface(Recorded):
 
     def _f_cos_and_pdf(self, at, ctx, wo):
         """f |cos wo| and the density; wo is in the turned frame."""
-        lit = at.active & self._asked(ctx, at.si, wo)
+        lit = self._lit(at, ctx, wo)
         f, pdf = self._f_and_pdf(at.vertex, ctx, at.si, wo, lit)
         self._vertex_cache.extend()
         return dr.select(lit, f * dr.abs(wo.z), 0), dr.select(lit, pdf, 0)
@@ -246,15 +242,10 @@ class Surface(Recorded):
             kinds.append((flags.GlossyTransmission, flags.DiffuseTransmission))
         return [any(ctx.is_enabled(x, i) for x in kind) for i, kind in enumerate(kinds)]
 
-    def _enabled(self, ctx, si, active):
-        return mi.Bool(active) & self._faces(si.wi) & any(self._components(ctx))
-
-    def _asked(self, ctx, si, wo):
-        """Whether light along wo can be seen, and the context asks for it."""
-        components = self._components(ctx)
-        if all(components):
-            return self._faces(wo)
-        return self._faces(wo) & ((si.wi.z * wo.z > 0) == components[0])
+    def _lit(self, at, ctx, wo):
+        """Lanes in which light along wo can be seen, and the context asks for it."""
+        components, lit = self._components(ctx), at.active & self._faces(wo)
+        return lit if all(components) else lit & ((at.si.wi.z * wo.z > 0) == components[0])
 
     def to_string(self) -> str:
         """A description."""

@@ -1,6 +1,6 @@
 """Lobes by which a proposal represents what lies below coats."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -69,10 +69,3 @@ def width(tangent: np.ndarray, share: np.ndarray, q: float, factor: float) -> fl
     if below[-1] == 0:
         return 0.5  # black: the width does not matter
     return float(ascending[np.searchsorted(below, q * below[-1])] * factor)
-
-
-class SlabLobes(NamedTuple):
-    """The lobes of the lower interface of a slab; see `BottomLobes`."""
-
-    alphas: list[Any]
-    albedo: float = 1.0

@@ -1,6 +1,5 @@
 """A stack of coats over a Mitsuba BSDF, in the form that the random walk and its proposal take."""
 
-import copy
 import functools
 import operator
 from collections.abc import Sequence
@@ -22,7 +21,7 @@ from urushi.core.microfacet import of_widths
 from urushi.core.mixture import Mixture
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture
-from urushi.mitsuba.plugins.bottom_lobes import BottomLobes, SlabLobes
+from urushi.mitsuba.plugins.bottom_lobes import BottomLobes
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.walk.bottoms.dielectric import Reflector
 
@@ -46,59 +45,21 @@ class CoatStack:
         if any(coat.is_anisotropic for coat in parameters):
             values = [value._replace(alpha=_two_widths(value.alpha)) for value in values]
         self._coats = [_clipped(value) for value in values]
-        self._etas = [coat.eta for coat in self._coats]
 
     def interface(self, index):
         """(alpha, eta) of an interface; eta is relative to the medium above.
 
         alpha is `Widths` if one of the coats is anisotropic.
         """
-        return self._at(index, [coat.alpha for coat in self._coats]), self._at(index, self._etas)
+        return self._at(index, "alpha"), self._at(index, "eta")
 
     def medium(self, index):
         """(albedo, sigma_t, g) of the medium under that interface."""
-        return tuple(
-            self._at(index, [getattr(coat, name) for coat in self._coats])
-            for name in ("albedo", "sigma_t", "g")
-        )
+        return tuple(self._at(index, name) for name in ("albedo", "sigma_t", "g"))
 
-    def proposal(self, bottom: BottomLobes | SlabLobes, cos_i) -> Mixture:
-        """A proposal: one lobe for each interface, two for the bottom, and a cosine lobe.
-
-        Lobes from below are widened by refraction at the interfaces above and by their roughness: a
-        heuristic, which affects the noise only, not the mean.
-        """
-        reached, diffuse = mi.Float(1), mi.Float(MIN_COSINE_SHARE)
-        stretch, blur = mi.Float(1), mi.Float(0)  # alpha^2 outside = stretch alpha^2 + blur
-        alphas, shares = [], []
-        for coat, eta in zip(self._coats, self._etas, strict=True):
-            reflectance, cos_t = fresnel.dielectric(cos_i, eta)
-            widths = channel_widths(coat.alpha)
-            share = reached * reflectance + MIN_SHARE
-            for alpha in widths:
-                alphas.append(_width_outside(alpha, stretch, blur))
-                shares.append(share if len(widths) == 1 else share / len(widths))
-            passed = dr.exp(-spectrum.mean(coat.sigma_t) * (2 / dr.maximum(cos_t, 0.1)))
-            reached = reached * (1 - reflectance)
-            diffuse += reached * (1 - passed) * spectrum.mean(coat.albedo)
-            reached = reached * passed
-            cos_i = cos_t
-            blur = of_widths(
-                lambda blur, alpha, eta=eta, stretch=stretch: (
-                    blur + stretch * 2 * dr.square((eta - 1) * alpha)
-                ),
-                blur,
-                widths[0] if len(widths) == 1 else of_widths(spectrum.mean, coat.alpha),
-            )
-            stretch *= eta * eta
-        for alpha in bottom.alphas:
-            alphas.append(_width_outside(alpha, stretch, blur))
-            shares.append(reached * (0.5 * bottom.albedo) + MIN_SHARE)
-        if any(isinstance(alpha, Widths) for alpha in alphas):
-            alphas = [_two_widths(alpha) for alpha in alphas]
-        shares.append(diffuse)
-        scale = 1 / sum(shares)
-        return Mixture([share * scale for share in shares], alphas)
+    def proposal(self, bottom: BottomLobes, cos_i) -> Mixture:
+        """A proposal: one lobe for each interface, two for the bottom, and a cosine lobe."""
+        return _proposal(self._coats, bottom.alphas, bottom.albedo, cos_i)
 
     def lowest(self, index, alpha=None) -> Reflector:
         """The lower interface of a slab.
@@ -109,7 +70,7 @@ class CoatStack:
         """
         if alpha is None:
             alpha = self._coats[-1].alpha
-        eta = index / functools.reduce(operator.mul, self._etas)
+        eta = index / functools.reduce(operator.mul, (coat.eta for coat in self._coats))
         return Reflector(_width_in_range(alpha), _index_in_range(eta, LEAST_ETA_BELOW))
 
     def slab_proposal(self, wi, lowest: Reflector) -> SlabMixture:
@@ -132,29 +93,67 @@ class CoatStack:
         def seen(above, below):
             return of_widths(lambda a, b: dr.select(wi.z > 0, a, b), above, below)
 
-        facing = copy.copy(self)
-        facing._coats = []
-        for coat, other, (alpha, eta) in zip(
-            self._coats, self._coats[::-1], interfaces[:0:-1], strict=True
-        ):
-            turned = other._replace(alpha=alpha, eta=1 / eta)
-            facing._coats.append(CoatParameters(*map(seen, coat, turned)))
-        facing._etas = [coat.eta for coat in facing._coats]
+        turned = [
+            coat._replace(alpha=alpha, eta=1 / eta)
+            for coat, (alpha, eta) in zip(self._coats[::-1], interfaces[:0:-1], strict=True)
+        ]
+        pairs = zip(self._coats, turned, strict=True)
+        facing = [CoatParameters(*map(seen, *pair)) for pair in pairs]
         far = seen(lowest.alpha, interfaces[0][0])
-        first, _ = fresnel.dielectric(cosine, facing._etas[0])
+        first, _ = fresnel.dielectric(cosine, facing[0].eta)
         straight = MIN_COSINE_SHARE + dr.exp(-depth / dr.maximum(cosine, 0.3))
         scale = 1 / (1.75 + straight)
         narrow = dr.clip(dr.sqrt(spread) / dr.select(wi.z > 0, index, 1), MIN_ALPHA / 4, 1)
         wide = dr.minimum(4 * narrow, 1)
         passed = Mixture([scale * straight, scale, 0.75 * scale], [narrow, wide])
-        mixture = facing.proposal(SlabLobes(channel_widths(far)), cosine)
+        mixture = _proposal(facing, channel_widths(far), 1.0, cosine)
         return SlabMixture(mixture, passed, 0.25 + 0.5 * dr.maximum(first, reflectance), across)
 
-    def _at(self, index, values):
-        result = values[0]
-        for i, value in enumerate(values[1:], 1):
+    def _at(self, index, name: str):
+        """The parameter of that name of a coat."""
+        result, *others = (getattr(coat, name) for coat in self._coats)
+        for i, value in enumerate(others, 1):
             result = dr.select(index == i, value, result)
         return result
+
+
+def _proposal(coats: Sequence[CoatParameters], alphas: Sequence, albedo, cos_i) -> Mixture:
+    """A proposal of coats over the lobes of what lies below, of the widths `alphas`.
+
+    Lobes from below are widened by refraction at the interfaces above and by their roughness: a
+    heuristic, which affects the noise only, not the mean.
+    """
+    reached, diffuse = mi.Float(1), mi.Float(MIN_COSINE_SHARE)
+    stretch, blur = mi.Float(1), mi.Float(0)  # alpha^2 outside = stretch alpha^2 + blur
+    found, shares = [], []
+    for coat in coats:
+        eta, widths = coat.eta, channel_widths(coat.alpha)
+        reflectance, cos_t = fresnel.dielectric(cos_i, eta)
+        share = reached * reflectance + MIN_SHARE
+        for alpha in widths:
+            found.append(_width_outside(alpha, stretch, blur))
+            shares.append(share if len(widths) == 1 else share / len(widths))
+        passed = dr.exp(-spectrum.mean(coat.sigma_t) * (2 / dr.maximum(cos_t, 0.1)))
+        reached = reached * (1 - reflectance)
+        diffuse += reached * (1 - passed) * spectrum.mean(coat.albedo)
+        reached = reached * passed
+        cos_i = cos_t
+        blur = of_widths(
+            lambda blur, alpha, eta=eta, stretch=stretch: (
+                blur + stretch * 2 * dr.square((eta - 1) * alpha)
+            ),
+            blur,
+            widths[0] if len(widths) == 1 else of_widths(spectrum.mean, coat.alpha),
+        )
+        stretch *= eta * eta
+    for alpha in alphas:
+        found.append(_width_outside(alpha, stretch, blur))
+        shares.append(reached * (0.5 * albedo) + MIN_SHARE)
+    if any(isinstance(alpha, Widths) for alpha in found):
+        found = [_two_widths(alpha) for alpha in found]
+    shares.append(diffuse)
+    scale = 1 / sum(shares)
+    return Mixture([share * scale for share in shares], found)
 
 
 class MitsubaBottom:
