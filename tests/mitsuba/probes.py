@@ -1,4 +1,4 @@
-"""What tests of plugins share: textures of texels, vectors, f of a BSDF, and the walk in Python."""
+"""What tests of plugins share: textures of texels, f of a BSDF, scenes, and the walk in Python."""
 
 import mitsuba as mi
 import numpy as np
@@ -51,9 +51,43 @@ def pairs(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
     return wi, wo
 
 
-def f(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """f (N, 3) [1/sr] for pairs (N, 3) above the horizon, at the origin of uv."""
-    return probing.bsdf_values(bsdf, wi, wo, np.zeros((len(wi), 2)))
+def f(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv=(0.0, 0.0)) -> np.ndarray:
+    """f (N, C) [1/sr] for pairs (N, 3), at one place of uv or at (N, 2)."""
+    return probing.bsdf_values(bsdf, wi, wo, np.broadcast_to(np.float32(uv), (len(wi), 2)))
+
+
+def walked(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, walks: int) -> np.ndarray:
+    """f (walks, N, C) [1/sr] for pairs (N, 3), each at a place of its own and thus by its walk."""
+    repeated = (np.tile(w, (walks, 1)).astype(np.float32) for w in (wi, wo))
+    uv = np.random.default_rng(0).random((walks * len(wi), 2))
+    return f(bsdf, *repeated, uv).reshape(walks, len(wi), -1).astype(np.float64)
+
+
+def update(bsdf: "mi.Object", values: dict) -> None:
+    """Give parameters other values."""
+    parameters = mi.traverse(bsdf)
+    for key, value in values.items():
+        parameters[key] = value
+    parameters.update()
+
+
+def spheres(*bsdfs, integrator: str = "path", size: int = 16, depth: int = 3, **parts) -> dict:
+    """A scene of spheres in a row, below a sky and, unless `parts` has another, a lamp."""
+    to_world = mi.ScalarTransform4f().look_at([0, -4, 1], [0, 0, 0], [0, 0, 1])
+    film = {"type": "hdrfilm", "width": size, "height": size, "rfilter": {"type": "box"}}
+    row = {
+        f"sphere{i}": {"type": "sphere", "center": [2 * i + 1 - len(bsdfs), 0, 0], "bsdf": bsdf}
+        for i, bsdf in enumerate(bsdfs)
+    }
+    return {
+        "type": "scene",
+        "integrator": {"type": integrator, "max_depth": depth},
+        "sky": {"type": "constant", "radiance": 0.5},
+        "lamp": {"type": "point", "position": [1, -2, 3], "intensity": 8.0},
+        "sensor": {"type": "perspective", "fov": 50, "to_world": to_world, "film": film},
+        **row,
+        **parts,
+    }
 
 
 def check_walk(bsdf: "mi.BSDF", stack: Stack, degrees: float = 0.0, sides: bool = False) -> None:

@@ -3,7 +3,7 @@
 import drjit as dr
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap
+from tests.mitsuba.probes import bitmap, spheres
 
 from urushi.mitsuba.recording import compiled_once, only_where
 
@@ -39,29 +39,11 @@ def test_a_vertex_is_cached_for_one_context_and_one_interaction(rgb):
 @pytest.mark.slow
 def test_calls_of_one_kernel_or_of_several_render_the_same(rgb, networks):
     """A coat and a textured one, some rays of which leave the scene."""
-    texels = np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)).astype(np.float32)
-    albedo = bitmap(texels)
+    albedo = bitmap(np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)))
     coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.2, "sigma_t": 0.8}
     coat["bottom"] = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.3}
-
-    def sphere(x, albedo):
-        return {
-            "type": "sphere", "center": [x, 0, 0], "radius": 0.8, "bsdf": coat | {"albedo": albedo}
-        }  # fmt: skip
-
-    to_world = rgb.ScalarTransform4f().look_at([0, -5, 1], [0, 0, 0], [0, 0, 1])
-    film = {"type": "hdrfilm", "width": 12, "height": 8, "rfilter": {"type": "box"}}
-    scene = rgb.load_dict(
-        {
-            "type": "scene",
-            "integrator": {"type": "path", "max_depth": 3},
-            "sky": {"type": "constant", "radiance": 0.5},
-            "lamp": {"type": "point", "position": [1, -3, 3], "intensity": 8.0},
-            "constant": sphere(-1, 0.7),
-            "textured": sphere(1, albedo),
-            "sensor": {"type": "perspective", "fov": 50, "to_world": to_world, "film": film},
-        }
-    )
+    both = coat | {"albedo": 0.7}, coat | {"albedo": albedo}
+    scene = rgb.load_dict(spheres(*both, size=10))
     one = rgb.render(scene, spp=4, seed=3).numpy()
     calls, loops = dr.JitFlag.SymbolicCalls, dr.JitFlag.SymbolicLoops
     with dr.scoped_set_flag(calls, False), dr.scoped_set_flag(loops, False):

@@ -3,9 +3,10 @@
 import drjit as dr
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap, f
+from tests.mitsuba.probes import f, strip
 
 import urushi
+from urushi.mitsuba.reading import probing
 from urushi.walk import dielectric
 
 SIGMA_T = (0.1, 0.4, 1.2)
@@ -50,14 +51,10 @@ def test_over_saved_and_coated_materials(rgb, measured, coated, tmp_path):
 
 
 def test_codes_of_textured_coats_are_near_the_table(rgb, merl_file, random_directions):
-    texels = np.float32([0.2, 0.2, 0.2, 0.3]).reshape(2, 2, 1)
-    texture = bitmap(texels)
+    texture = strip(0.2, 0.3, filter_type="nearest")
     bottom = {"type": "measured_brdf", "filename": str(merl_file)}
     wi, wo = random_directions(500, 1, 0.05), random_directions(500, 2, 0.05)
-    found, expected = (
-        f(plugin(rgb, bottom, alpha=alpha), wi, wo)
-        for alpha in (texture | {"filter_type": "nearest"}, 0.2)
-    )
+    found, expected = (f(plugin(rgb, bottom, alpha=x), wi, wo) for x in (texture, 0.2))
     assert np.abs(found - expected).mean() < 0.02 * expected.mean()
 
 
@@ -82,17 +79,13 @@ def test_albedo_over_dielectrics_is_that_of_the_walk(rgb, bottom, coat, toleranc
     key = "base_color" if bottom["type"] in ("principled", "openpbr") else "diffuse_reflectance"
     color = {"type": "rgb", "value": [0.8, 0.35, 0.1]}
     if coat is TEXTURED:
-        pixels = np.full((2, 2, 3), color["value"], np.float32)
-        pixels[0, 0] *= 0.9
-        color = bitmap(pixels)
-        color["filter_type"] = "nearest"
+        values = np.float32(color["value"])
+        color = strip(0.9 * values, values, filter_type="nearest")
     bottom = {**bottom, key: color}
     count = 1 << 15
-    rng = np.random.default_rng(0)
-    u = rng.random((3, count), np.float32)
-    si = dr.zeros(rgb.SurfaceInteraction3f, count)
-    si.time = rgb.Float(np.arange(count, dtype=np.float32))
-    si.wi, si.uv = rgb.Vector3f(0.6, 0.0, 0.8), rgb.Point2f(0.75)
+    u = np.random.default_rng(0).random((3, count), np.float32)
+    wi = np.tile(np.float32([0.6, 0, 0.8]), (count, 1))
+    si = probing.interaction(wi, np.full((count, 2), 0.75), np.arange(count))
     walk, neural = (
         rgb.load_dict({"type": kind, **coat, "base": bottom})
         for kind in ("layered", "neural_layered")

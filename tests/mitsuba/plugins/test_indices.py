@@ -4,25 +4,23 @@ import functools
 
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap, check_walk
+from tests.mitsuba.probes import check_walk, f, strip, walked
 
 import urushi
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY
-from urushi.mitsuba.reading import probing
 
 WI = np.array([[0.6, 0, 0.8]] * 3, np.float32)
 WO = np.array([[-0.6, 0, 0.8], [0, 0.6, 0.8], [-0.5, 0.1, np.sqrt(0.74)]], np.float32)
 GOLD = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "eta": 0.2, "k": 3.9}
+BRUSHED = {k: v for k, v in GOLD.items() if k != "alpha"} | {"alpha_u": 0.05, "alpha_v": 0.3}
 KINDS = "layered", "neural_layered"
 
 
 def values(mi, description: dict, walks: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """f [1/sr] of the pairs and its standard error."""
-    wi, wo = (np.repeat(w, walks, axis=0) for w in (WI, WO))
-    uv = np.random.default_rng(0).random((len(wi), 2))
-    f = probing.bsdf_values(mi.load_dict(description), wi, wo, uv)[:, 0].reshape(3, walks)
-    return f.mean(axis=1), f.std(axis=1) / np.sqrt(walks)
+    f = walked(mi.load_dict(description), WI, WO, walks)[..., 0]
+    return f.mean(axis=0), f.std(axis=0) / np.sqrt(walks)
 
 
 def test_coats_of_lower_indices_are_the_walk(rgb):
@@ -52,19 +50,15 @@ def test_a_coat_of_the_index_above_has_no_interface(rgb, outer, inner, base):
     )
 
 
-@pytest.mark.parametrize(
-    "base", [GOLD | {"alpha_u": 0.05, "alpha_v": 0.3}, {"type": "roughplastic"}]
-)
+@pytest.mark.parametrize("base", [BRUSHED, {"type": "roughplastic"}])
 def test_a_textured_medium_without_an_interface_is_beers_law(rgb, base):
     """To rounding, over any bottom: here over two that codes represent badly."""
-    base = {name: x for name, x in base.items() if "alpha_u" not in base or name != "alpha"}
-    data = np.array([[0.1, 0.4], [1.0, 2.0]], np.float32)[..., None]
-    depth = bitmap(data, filter_type="nearest")
+    data = np.float32([0.1, 0.4, 1.0])
+    depth = strip(*data, filter_type="nearest")
     coat = {"type": "neural_layered", "alpha": 0.3, "int_ior": 1.0, "sigma_t": depth, "base": base}
-    plugin, bottom = rgb.load_dict(coat), rgb.load_dict(base)
-    uv = np.array([[0.25, 0.25], [0.75, 0.25], [0.25, 0.75]])
-    found, bare = (probing.bsdf_values(bsdf, WI, WO, uv) for bsdf in (plugin, bottom))
-    path = data.ravel()[:3] * (1 / WI[:, 2] + 1 / WO[:, 2])
+    uv = np.array([[1 / 6, 0.5], [1 / 2, 0.5], [5 / 6, 0.5]])
+    found, bare = (f(rgb.load_dict(bsdf), WI, WO, uv) for bsdf in (coat, base))
+    path = data * (1 / WI[:, 2] + 1 / WO[:, 2])
     np.testing.assert_allclose(found, bare * np.exp(-path)[:, None], rtol=1e-5)
 
 
@@ -78,37 +72,29 @@ def test_ext_ior_is_kept_where_it_is_given(rgb):
         gap, _ = values(rgb, outer | {"base": inner | {"ext_ior": 1.0}})
         np.testing.assert_allclose(derived, given, rtol=1e-4)
         assert (np.abs(gap / derived - 1) > 0.01).any()
-    data = np.full((2, 2, 1), 1.6, np.float32)
-    data[0] = 1.4
-    texture = bitmap(data, filter_type="nearest")
-    plugin = rgb.load_dict(
-        {"type": "layered", "int_ior": texture, "base": inner | {"type": "layered"}}
-    )
-    from urushi.mitsuba.plugins.stack import CoatStack
-
-    si = probing.interaction(WI[:2], np.array([[0.5, 0.25], [0.5, 0.75]]))
-    coats = CoatStack(plugin.coats, si, rgb.Bool(True))
-    ratios = coats._etas[1].numpy()
-    assert sorted(ratios) == pytest.approx([1.3 / 1.6, 1.3 / 1.4], rel=1e-5)
+    layered = {"type": "layered", "int_ior": strip(1.4, 1.6, filter_type="nearest")}
+    textured = rgb.load_dict(layered | {"base": inner | {"type": "layered"}})
+    for u, index in ((0.25, 1.4), (0.75, 1.6)):
+        alone = rgb.load_dict(layered | {"int_ior": index, "base": inner | {"type": "layered"}})
+        found = (f(bsdf, WI, WO, (u, 0.5)) for bsdf in (textured, alone))
+        np.testing.assert_allclose(*found, rtol=1e-4)
 
 
-def normal_map(mi, inner: dict, **switches) -> dict:
+def normal_map(inner: dict, **switches) -> dict:
     """A `normalmap` that tilts the surface by 17 degrees."""
-    normals = np.tile(np.float32([0.64, 0.5, 0.98]), (2, 2, 1))
-    texture = bitmap(normals)
+    texture = strip([0.64, 0.5, 0.98])
     return {"type": "normalmap", "normalmap": texture, "inner": inner} | switches
 
 
-def bump_map(mi, inner: dict) -> dict:
+def bump_map(inner: dict) -> dict:
     """A `bumpmap` of a slope along u."""
-    heights = np.tile(np.arange(8, dtype=np.float32)[:, None] / 8, (8, 1, 1))
-    texture = bitmap(heights, wrap_mode="mirror")
+    texture = strip(*(np.arange(8) / 8), wrap_mode="mirror")
     return {"type": "bumpmap", "heights": texture, "inner": inner, "scale": 0.7}
 
 
 WRAPPERS = {
-    "twosided": lambda mi, inner: {"type": "twosided", "inner": inner},
-    "blendbsdf": lambda mi, inner: {
+    "twosided": lambda inner: {"type": "twosided", "inner": inner},
+    "blendbsdf": lambda inner: {
         "type": "blendbsdf",
         "weight": {"type": "checkerboard", "color0": 0.2, "color1": 0.9},
         "first": inner,
@@ -131,27 +117,24 @@ def test_metals_and_coats_in_wrappers_keep_their_indices(rgb, wrapper):
     cosine = np.sqrt(0.5 + 0.5 * np.sum(WI * WO, axis=1, dtype=np.float64))
     air, medium = (fresnel.exact(cosine, 0.2 / n, 3.9 / n, NUMPY) for n in (1, index))
     coat = {"type": "neural_layered", "alpha": 0.4, "int_ior": 1.5, "base": GOLD}
-    bare = probing.bsdf_values(rgb.load_dict(WRAPPERS[wrapper](rgb, GOLD)), WI, WO, uv)
+    bare = f(rgb.load_dict(WRAPPERS[wrapper](GOLD)), WI, WO, uv)
     for inner in (GOLD, coat):
-        wrapped = relative_to_index(rgb.load_dict(WRAPPERS[wrapper](rgb, inner)), index)
-        found = probing.bsdf_values(wrapped, WI, WO, uv)
+        wrapped = relative_to_index(rgb.load_dict(WRAPPERS[wrapper](inner)), index)
+        found = f(wrapped, WI, WO, uv)
         np.testing.assert_allclose(found, bare * (medium / air)[:, None], rtol=1e-4)
 
 
-def test_coats_over_wrappers_follow_changes(rgb):
-    """Of a coat in a `blendbsdf`, as loaded afresh."""
-
-    def blend(sigma_t: float) -> dict:
-        inner = {"type": "neural_layered", "int_ior": 1.5, "sigma_t": sigma_t, "base": GOLD}
-        parts = {"first": inner, "second": GOLD, "weight": 0.5}
-        return {"type": "neural_layered", "int_ior": 1.5, "base": {"type": "blendbsdf", **parts}}
-
-    changed, fresh = rgb.load_dict(blend(0.2)), rgb.load_dict(blend(1.0))
-    parameters = rgb.traverse(changed)
-    parameters["bottom.bsdf_0.sigma_t.value"] = 1.0
-    parameters.update()
-    f = [probing.bsdf_values(bsdf, WI, WO, np.zeros((3, 2))) for bsdf in (changed, fresh)]
-    np.testing.assert_allclose(*f, rtol=1e-5)
+@pytest.mark.parametrize("plugin", KINDS)
+def test_an_opaque_mask_under_a_coat_is_none(rgb, plugin):
+    """f is that of the coat over the BSDF in the mask, and other masks transmit light."""
+    masked = {"type": "mask", "inner": GOLD}
+    found, expected = (
+        f(rgb.load_dict({"type": plugin, "base": base}), WI, WO)
+        for base in (masked | {"opacity": 1.0}, GOLD)
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    with pytest.raises(RuntimeError, match="the nested BSDF transmits light"):
+        rgb.load_dict({"type": plugin, "base": masked | {"opacity": 0.9}})
 
 
 def test_python_plugins_and_the_walk_agree(rgb):

@@ -1,13 +1,16 @@
 """`layered` without a nested BSDF is a slab: its f, sampling and flags, from both sides."""
 
 import drjit as dr
+import mitsuba as mi
 import numpy as np
 import pytest
-from tests.mitsuba.probes import check_walk
+from tests.directions import in_plane
+from tests.mitsuba.probes import check_walk, f, spheres, update, vector
 
 import urushi
 from urushi.core.direction_sets import cosine_pairs
 from urushi.errors import ParameterError
+from urushi.mitsuba.reading import probing
 from urushi.walk.simulate import albedo
 
 MEDIUM = {"albedo": 0.9, "sigma_t": 1.0, "g": 0.3}
@@ -79,6 +82,15 @@ def load(mi, slab: dict):
     return mi.load_dict({"type": "layered", "ext_ior": 1.0} | slab | glass)
 
 
+def all_sides(count: int):
+    """Interactions and directions of pairs, of which as many pass as are reflected."""
+    wi, wo = cosine_pairs(np.random.default_rng(4), count)
+    wi[::2, 2] *= -1
+    wo[::4, 2] *= -1
+    wo[1::4, 2] *= -1
+    return probing.interaction(wi, np.zeros((count, 2))), vector(wo)
+
+
 PAPER = urushi.slab(0.5, 0.8, **MEDIUM, far=urushi.dielectric(0.5, 1 / 1.2))
 DESCRIBED = {
     "paper": urushi.slab(0.4, 1.4, **MEDIUM),
@@ -103,23 +115,15 @@ def test_f_is_that_of_simulate_on_all_sides(rgb, name):
     [name if name in FIRST else pytest.param(name, marks=pytest.mark.slow) for name in SLABS],
 )
 def test_samples_follow_the_density_on_the_sphere(rgb, sampling, name):
-    bsdf = load(rgb, SLABS[name])
-    for seed, degrees in enumerate(ANGLES):
-        test = sampling.chi_squared(bsdf, degrees, seed, INDICES.get(name, 1.0))
-        assert test.run(0.01, test_count=len(ANGLES) * len(SLABS), quiet=True), test.messages
-        assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)  # the quadrature of narrow lobes
-        assert test.histogram_sum[0] == 1  # no sample fails
+    sampling.check(load(rgb, SLABS[name]), ANGLES, len(SLABS), INDICES.get(name, 1.0))
 
 
 @pytest.mark.parametrize("name", ["paper", "body"])
 @pytest.mark.parametrize("degrees", [35, 70, 110, 150])
 def test_the_weights_of_samples_add_up_to_the_shares(rgb, name, degrees):
     count, bsdf = 1 << 17, load(rgb, SLABS[name])
-    wi = np.array([[np.sin(np.radians(degrees)), 0, np.cos(np.radians(degrees))]], np.float32)
-    si = dr.zeros(rgb.SurfaceInteraction3f, count)
-    si.wi = rgb.Vector3f(wi[0])
-    rng = rgb.PCG32(size=count)
-    si.p = rgb.Point3f(rng.next_float32(), 0, 0)
+    wi, rng = in_plane([degrees]), rgb.PCG32(size=count)
+    si = probing.interaction(np.tile(wi, (count, 1)), np.zeros((count, 2)), np.arange(count))
     u = rgb.Point2f(rng.next_float32(), rng.next_float32())
     context = rgb.BSDFContext(rgb.TransportMode.Importance)
     bs, weight = bsdf.sample(context, si, rng.next_float32(), u)
@@ -137,41 +141,53 @@ def test_the_weights_of_samples_add_up_to_the_shares(rgb, name, degrees):
         assert error < 0.03 * expected[0, 0]
 
 
-def test_flags_and_refusals(rgb):
+def test_flags(rgb):
     has, flags = rgb.has_flag, rgb.BSDFFlags
     for name, slab in SLABS.items():
         bsdf = load(rgb, slab)
         assert has(bsdf.flags(), flags.Transmission)
         assert has(bsdf.flags(), flags.BackSide)
         assert has(bsdf.flags(), flags.NonSymmetric) == (name in INDICES)
-    texture = {"type": "checkerboard", "color0": 1.3, "color1": 1.5}
-    clear = {"int_ior": 1.0, "ext_ior": 1.0, "sigma_t": 1.0}
-    for change, sentence in (
-        (clear, "no interface bends light through this slab"),
-        (clear | {"base": {"type": "dielectric", "int_ior": "air"}}, "no interface bends light"),
-        ({"int_ior": texture}, "int_ior is a texture, but a slab with air on both sides"),
+
+
+CLEAR = {"int_ior": 1.0, "ext_ior": 1.0, "sigma_t": 1.0}
+NOISE = {"type": "checkerboard"}
+SMOOTH = {"type": "dielectric", "int_ior": "air"}
+REFUSALS = {
+    "layered": [
+        (CLEAR, "no interface bends light through this slab"),
+        (CLEAR | {"base": SMOOTH}, "no interface bends light"),
+        (
+            {"int_ior": NOISE | {"color0": 1.3, "color1": 1.5}},
+            "int_ior is a texture, but a slab with air on both sides",
+        ),
         ({"base": {"type": "roughdielectric"}}, "has the distribution 'beckmann'; give 'ggx'"),
         ({"base": PANE | {"specular_transmittance": 0.5}}, "has a specular_transmittance"),
+        ({"base": GLASS | {"int_ior": 1.6, "ext_ior": 1.4}}, "to its ext_ior is 1.1429, fr"),
+        ({"base": PANE | {"int_ior": 1.8, "ext_ior": 1.33}}, "'thindielectric' relative to its"),
+        ({"base": SMOOTH | {"ext_ior": 1.5}}, "ext_ior is 0.66685, "),
         (
-            {"base": GLASS | {"int_ior": 1.6, "ext_ior": 1.4}},
-            "relative to its ext_ior is 1.1429, fr",
-        ),
-        (
-            {"base": PANE | {"int_ior": 1.8, "ext_ior": 1.33}},
-            "'thindielectric' relative to its ext",
-        ),
-        (
-            {"base": {"type": "dielectric", "int_ior": "air", "ext_ior": 1.5}},
-            "ext_ior is 0.66685, ",
-        ),
-        (
-            {"int_ior": 3.0, "ext_ior": 1.0, "base": {"type": "dielectric", "int_ior": 0.9}},
+            {"int_ior": 3.0, "ext_ior": 1.0, "base": SMOOTH | {"int_ior": 0.9}},
             "the index below the slab relative to int_ior is 0.29.*it must be",
         ),
-    ):
-        with pytest.raises(RuntimeError, match=sentence):
-            rgb.load_dict({"type": "layered"} | change)
-    for slab in ({"type": "layered"}, {"type": "layered", "base": GLASS}):
+    ],
+    "neural_layered": [
+        (CLEAR, "no interface bends light through this slab"),
+        ({"sigma_t": NOISE}, "sigma_t is a texture, but the tables of a slab are of constants; us"),
+        ({"alpha_u": 0.1, "alpha_v": 0.2}, "for one width of each interface; use the plugin"),
+        ({"base": GLASS | {"alpha_u": 0.1, "alpha_v": 0.2}}, "for one width of each interface"),
+        ({"base": GLASS | {"alpha": NOISE}}, "alpha is a texture, but the tables of a slab"),
+        ({"alpha": 2.0}, "alpha is 2; it must be a GGX width"),
+    ],
+}
+
+
+@pytest.mark.parametrize("plugin", REFUSALS)
+def test_refusals(rgb, plugin):
+    for change, sentence in REFUSALS[plugin]:
+        with pytest.raises(RuntimeError, match=f"{plugin}: .*{sentence}"):
+            rgb.load_dict({"type": plugin} | change)
+    for slab in ({"type": plugin}, {"type": plugin, "base": GLASS}):
         with pytest.raises(RuntimeError, match="without a transmission component"):
             rgb.load_dict({"type": "twosided", "slab": slab})
 
@@ -184,22 +200,15 @@ TABLES = {
 
 
 def test_tables_are_the_walk_on_all_sides(rgb):
-    import mitsuba as mi
-
     mi.set_variant("llvm_ad_spectral")
-    wi, wo = cosine_pairs(np.random.default_rng(4), 64)
-    wi[::2, 2] *= -1
-    wo[::4, 2] *= -1
-    wo[1::4, 2] *= -1
-    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
-    si.wi = mi.Vector3f(wi.T)
-    si.wavelengths = mi.Spectrum(450, 500, 550, 600)
+    si, to = all_sides(64)
+    wi, wo = si.wi.numpy().T, to.numpy().T
     cosine = np.abs(wo[:, 2])
     for name in ("paper", "body"):
         table = mi.load_dict({"type": "neural_layered", "ext_ior": 1.0} | TABLES[name])
         for mode in ("Radiance", "Importance"):
             context = mi.BSDFContext(getattr(mi.TransportMode, mode))
-            f = table.eval(context, si, mi.Vector3f(wo.T)).numpy()[0]
+            f = table.eval(context, si, to).numpy()[0]
             options = {"walks": 1 << 12, "progress": False, "mode": mode.lower()}
             expected, _ = urushi.simulate(DESCRIBED[name], wi, wo, **options)
             error = np.abs(f - expected[:, 0] * cosine)
@@ -211,10 +220,7 @@ def test_tables_are_the_walk_on_all_sides(rgb):
 def test_samples_of_tables_follow_their_density(rgb, sampling, name):
     bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES[name])
     assert rgb.has_flag(bsdf.flags(), rgb.BSDFFlags.Transmission)
-    for seed, degrees in enumerate(ANGLES):
-        test = sampling.chi_squared(bsdf, degrees, seed, INDICES.get(name, 1.0))
-        assert test.run(0.01, test_count=len(ANGLES) * len(TABLES), quiet=True), test.messages
-        assert test.histogram_sum[0] == 1  # no sample fails
+    sampling.check(bsdf, ANGLES, len(TABLES), INDICES.get(name, 1.0))
 
 
 @pytest.mark.parametrize("sigma_t", [0.0, 0.3])
@@ -226,69 +232,29 @@ def test_a_coat_of_the_glass_s_own_index_is_its_surface(rgb, sigma_t):
     bare = rgb.load_dict(GLASS | surface)
     wi, wo = cosine_pairs(np.random.default_rng(4), 512)
     for lower in (False, True):
-        a, b = (w * np.float32([1, 1, -1 if lower else 1]) for w in (wi, wo))
-        si = dr.zeros(rgb.SurfaceInteraction3f, len(a))
-        si.wi, to = rgb.Vector3f(a.T), rgb.Vector3f(b.T)
-        f, expected = (x.eval(rgb.BSDFContext(), si, to).numpy()[0] for x in (coated, bare))
-        left = np.exp(-sigma_t * lower * (1 / wi[:, 2] + 1 / wo[:, 2]))
-        np.testing.assert_allclose(f, expected * left, rtol=2e-3, atol=1e-5)
-    if sigma_t == 0:
-        count, rng = 1 << 14, rgb.PCG32(size=1 << 14)
-        for degrees in (0, 60, 85, 100, 130, 137, 180):
-            direction = np.sin(np.radians(degrees)), 0, np.cos(np.radians(degrees))
-            si = dr.zeros(rgb.SurfaceInteraction3f, count)
-            si.wi = rgb.Vector3f([float(x) for x in direction])
-            u = rng.next_float32(), rgb.Point2f(rng.next_float32(), rng.next_float32())
-            shares = []
-            for bsdf in (coated, bare):
-                bs, weight = bsdf.sample(rgb.BSDFContext(rgb.TransportMode.Importance), si, *u)
-                same = bs.wo.z.numpy() * direction[2] > 0
-                shares.append([(weight.numpy()[0] * x).mean() for x in (same, ~same)])
-            # 0.006 is the noise of the samples
-            np.testing.assert_allclose(*shares, atol=0.012)
+        pair = [w * np.float32([1, 1, -1 if lower else 1]) for w in (wi, wo)]
+        found, expected = (f(bsdf, *pair) for bsdf in (coated, bare))
+        left = np.exp(-sigma_t * lower * (1 / wi[:, 2:] + 1 / wo[:, 2:]))
+        np.testing.assert_allclose(found, expected * left, rtol=2e-3, atol=1e-5)
 
 
-def test_tables_follow_changes_and_refuse_what_they_cannot_hold(rgb):
+def test_tables_are_small_and_refuse_other_gradients(rgb):
     bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES["pane"])
     held = [*bsdf._reflected, bsdf._passed]
     assert all(dr.type_v(table) == dr.VarType.Float16 for table in held)
     assert 2 * sum(map(len, held)) <= 1e6
     parameters = rgb.traverse(bsdf)
-    parameters["sigma_t.value"] = 1.0
-    parameters.update()
-    changed = rgb.load_dict({"type": "neural_layered", "sigma_t": 1.0} | TABLES["pane"])
-    si = dr.zeros(rgb.SurfaceInteraction3f)
-    si.wi = rgb.Vector3f(0.6, 0, 0.8)
-    f = [b.eval(rgb.BSDFContext(), si, rgb.Vector3f(-0.6, 0, -0.8)) for b in (bsdf, changed)]
-    np.testing.assert_array_equal(*f)
     dr.enable_grad(parameters["alpha.value"])
     parameters.set_dirty("alpha.value")
     with pytest.raises(ParameterError, match="neural_layered: a parameter carries gradients, but"):
         parameters.update()
-    noise = {"type": "checkerboard"}
-    for change, sentence in (
-        ({"sigma_t": noise}, "sigma_t is a texture, but the tables of a slab are of constants; us"),
-        ({"alpha_u": 0.1, "alpha_v": 0.2}, "for one width of each interface; use the plugin"),
-        ({"base": GLASS | {"alpha_u": 0.1, "alpha_v": 0.2}}, "for one width of each interface"),
-        ({"base": GLASS | {"alpha": noise}}, "alpha is a texture, but the tables of a slab"),
-        ({"int_ior": 1.0, "ext_ior": 1.0}, "no interface bends light through this slab"),
-        ({"alpha": 2.0}, "alpha is 2; it must be a GGX width"),
-    ):
-        with pytest.raises(RuntimeError, match=f"neural_layered: .*{sentence}"):
-            rgb.load_dict({"type": "neural_layered"} | change)
-    with pytest.raises(RuntimeError, match="without a transmission component"):
-        rgb.load_dict({"type": "twosided", "slab": {"type": "neural_layered"}})
 
 
 def test_tables_have_derivatives_of_the_medium(rgb):
     """Those of f summed over pairs on all sides, against slabs at 0.08 to both sides."""
     bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES["body"])
     parameters = rgb.traverse(bsdf)
-    wi, wo = cosine_pairs(np.random.default_rng(4), 256)
-    wi[::2, 2] *= -1
-    wo[::4, 2] *= -1
-    si = dr.zeros(rgb.SurfaceInteraction3f, len(wi))
-    si.wi, to = rgb.Vector3f(wi.T), rgb.Vector3f(wo.T)
+    si, to = all_sides(256)
 
     def total():
         return dr.sum(bsdf.eval(rgb.BSDFContext(), si, to)[0])
@@ -296,8 +262,7 @@ def test_tables_have_derivatives_of_the_medium(rgb):
     key, found = "sigma_t.value", []
     number = float(parameters[key][0])
     for end in (number - 0.08, number + 0.08):
-        parameters[key] = end
-        parameters.update()
+        update(bsdf, {key: end})
         found.append(float(total()[0]))
     parameters[key] = number
     dr.enable_grad(parameters[key])
@@ -320,46 +285,26 @@ def test_indices_of_bodies_are_absolute(rgb, index):
         assert float(rgb.load_dict(same | slab)._index.numpy()[0]) == pytest.approx(ratio, 1e-5)
 
 
-def test_a_body_of_glass_follows_its_parameters(rgb):
-    bsdf = load(rgb, SLABS["body"])
-    parameters = rgb.traverse(bsdf)
-    parameters["bottom.eta"] = 1.7
-    parameters["bottom.alpha.value"] = 0.4
-    parameters.update()
-    changed = {"base": GLASS | {"int_ior": 1.7, "alpha": 0.4}}
-    wi, wo = cosine_pairs(np.random.default_rng(5), 64)
-    si = dr.zeros(rgb.SurfaceInteraction3f, 64)
-    si.wi, down = rgb.Vector3f(wi.T), rgb.Vector3f((wo * [1, 1, -1]).T)
-    f = [b.eval(rgb.BSDFContext(), si, down) for b in (bsdf, load(rgb, SLABS["body"] | changed))]
-    np.testing.assert_allclose(*f, rtol=1e-4)
-
-
 def test_the_coat_of_a_body_may_have_a_textured_index(rgb):
     halves = {"type": "checkerboard", "color0": 1.3, "color1": 1.8}
     textured = load(rgb, SLABS["body"] | {"int_ior": halves})
     wi, wo = cosine_pairs(np.random.default_rng(5), 64)
-    si = dr.zeros(rgb.SurfaceInteraction3f, 64)
-    si.wi, down = rgb.Vector3f(wi.T), rgb.Vector3f((wo * [1, 1, -1]).T)
+    wo[:, 2] *= -1
     for u, index in ((0.6, 1.3), (0.1, 1.8)):
-        si.uv = rgb.Point2f(dr.full(rgb.Float, u, 64), 0.1)
         constant = load(rgb, SLABS["body"] | {"int_ior": index})
-        f = [bsdf.eval(rgb.BSDFContext(), si, down) for bsdf in (textured, constant)]
-        np.testing.assert_allclose(*f, rtol=1e-4)
+        np.testing.assert_allclose(
+            *(f(bsdf, wi, wo, (u, 0.1)) for bsdf in (textured, constant)), rtol=1e-4
+        )
 
 
 def test_balls_of_coated_glass_are_lossless_and_hold_media(rgb):
     """Under a constant sky, a smooth film of the glass's own index changes nothing."""
 
     def picture(bsdf, **medium):
-        film = {"type": "hdrfilm", "width": 16, "height": 16, "rfilter": {"type": "box"}}
-        view = rgb.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0])
-        scene = {
-            "type": "scene",
-            "integrator": {"type": "volpath", "max_depth": 64, "rr_depth": 5},
-            "sensor": {"type": "perspective", "fov": 20, "to_world": view, "film": film},
-            "sky": {"type": "constant"},
-            "ball": {"type": "sphere", "bsdf": bsdf} | medium,
-        }
+        scene = spheres(bsdf, integrator="volpath", depth=64, sky={"type": "constant"})
+        scene["sphere0"] |= medium
+        scene["sensor"] |= {"fov": 20}  # the ball alone
+        del scene["lamp"]
         return np.array(rgb.render(rgb.load_dict(scene), spp=256, seed=2)).mean()
 
     glass = {"type": "dielectric", "int_ior": 1.5}

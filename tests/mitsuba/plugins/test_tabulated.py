@@ -3,11 +3,13 @@
 import drjit as dr
 import numpy as np
 import pytest
-from tests.mitsuba.probes import f, vector
+from tests.mitsuba.probes import f, update, vector
 from tests.untrained import untrained
 
 from urushi.core.table import SHAPE
 from urushi.material import Material
+from urushi.mitsuba.reading import probing
+from urushi.nets import weights
 from urushi.nets.weights import Model
 
 
@@ -42,8 +44,6 @@ def materials(model: Model) -> list[Material]:
 
 def loaded(mi, material, folder):
     """The plugin of a saved material and the networks in a file."""
-    from urushi.nets import weights
-
     weights.save(folder / "weights", material.model.arch, material.model.params, {})
     material.save(folder / "material")
     paths = {"filename": str(folder / "material"), "weights": str(folder / "weights")}
@@ -67,11 +67,9 @@ def test_saved_again_to_the_byte(rgb, small, tmp_path):
 def test_edited_codes_replace_them(rgb, small, random_directions, tmp_path):
     material = materials(small)[1]
     bsdf = loaded(rgb, material, tmp_path)
-    parameters = rgb.traverse(bsdf)
     edited = np.array(material.latents)
     edited[:, -1] += np.float32(0.1)
-    parameters["latents"] = rgb.TensorXf(edited)
-    parameters.update()
+    update(bsdf, {"latents": rgb.TensorXf(edited)})
     wi, wo = random_directions(100, 1, 0.05), random_directions(100, 2, 0.05)
     of_codes = Material(edited, small).f(wi, wo)
     # The plugin's table of the codes' rest is in single precision.
@@ -84,13 +82,8 @@ def test_frozen_functions_tell_materials_apart(rgb, small, random_directions, tm
     bsdfs = [loaded(rgb, material, tmp_path) for material in made]
     wi, wo = random_directions(64, 1, 0.05), random_directions(64, 2, 0.05)
 
-    @dr.freeze
-    def frozen(bsdf, wi, wo):
-        si = dr.zeros(rgb.SurfaceInteraction3f, dr.width(wi))
-        si.wi = wi
-        return bsdf.eval(rgb.BSDFContext(), si, wo)
-
-    vectors = [vector(w) for w in (wi, wo)]
+    frozen = dr.freeze(lambda bsdf, si, wo: bsdf.eval(rgb.BSDFContext(), si, wo))
+    si = probing.interaction(wi, np.zeros((64, 2)))
     for bsdf, material in zip(bsdfs, made, strict=True):
-        f = (frozen(bsdf, *vectors).numpy() / wo.T[2]).T
-        np.testing.assert_allclose(f, material.f(wi, wo), rtol=2e-3)
+        found = (frozen(bsdf, si, vector(wo)).numpy() / wo.T[2]).T
+        np.testing.assert_allclose(found, material.f(wi, wo), rtol=2e-3)
