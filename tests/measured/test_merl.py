@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from tests.measured import writers
 
 from urushi.core.directions import directions_at
-from urushi.measured import Merl, load_measured, tabulated
+from urushi.measured import Merl, Rgl, load_measured, tabulated
 from urushi.measured.tabulated import fill_nearest
 
 ALPHA = 0.3
@@ -24,7 +25,7 @@ def lambert_and_ggx(wi, wo):
 
 
 @pytest.fixture(scope="module")
-def analytic(writers, tmp_path_factory):
+def analytic(tmp_path_factory):
     """The analytic BRDF read from a file, which has -1 where a direction is beyond 85 degrees."""
     wi, wo = writers.merl_directions()
     rgb = lambert_and_ggx(wi, wo)
@@ -36,7 +37,7 @@ def analytic(writers, tmp_path_factory):
     return brdf
 
 
-def test_the_value_at_a_bin_centre_is_the_bins_value(writers, analytic):
+def test_the_value_at_a_bin_centre_is_the_bins_value(analytic):
     wi, wo = writers.merl_directions()
     valid = np.minimum(wi[:, 2], wo[:, 2]) > np.cos(np.radians(84))
     rows = np.random.default_rng(0).choice(np.flatnonzero(valid), 20000, replace=False)
@@ -67,13 +68,16 @@ def test_f_is_exactly_reciprocal_and_isotropic(analytic, random_directions):
 
 
 def test_below_the_horizon_f_is_zero(analytic):
+    """Of RGL materials, too."""
     up, down, level = (0.6, 0, 0.8), (0.6, 0, -0.8), (1, 0, 0)
     wi, wo = np.array([up, down, down, up]), np.array([down, up, down, level])
-    assert not analytic.f(wi, wo).any()
-    assert analytic.f(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0, 3)
+    for brdf in (analytic, Rgl(writers.rgl_fields(np.random.default_rng(0)))):
+        assert not brdf.f(wi, wo).any()
+        assert brdf.f(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0, 3)
+        assert (brdf.f([up, (0, 0, 1)], [up, (0, 0, 1)]) > 0).all()
 
 
-def test_no_invalid_bin_leaks_into_a_constant_brdf(writers, tmp_path, random_directions):
+def test_no_invalid_bin_leaks_into_a_constant_brdf(tmp_path, random_directions):
     wi, wo = writers.merl_directions()
     rng = np.random.default_rng(5)
     rgb = np.tile(COLOUR, (len(wi), 1))
@@ -86,7 +90,7 @@ def test_no_invalid_bin_leaks_into_a_constant_brdf(writers, tmp_path, random_dir
     np.testing.assert_allclose(f, np.broadcast_to(COLOUR, f.shape), rtol=1e-6)
 
 
-def test_phi_d_closes_after_half_a_turn(writers):
+def test_phi_d_closes_after_half_a_turn():
     phi_d = (np.arange(180) + 0.5) * np.pi / 180
     table = np.ones((90, 90, 180, 3)) * (2 + np.sin(2 * phi_d))[:, None]
     angles = np.full(3, 0.4), np.full(3, 0.5), np.array([-1e-4, 0.0, np.pi - 1e-4])

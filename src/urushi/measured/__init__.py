@@ -4,6 +4,8 @@ import os
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from urushi.errors import FileError
 from urushi.files import as_path
 from urushi.measured import merl, rgl_file
@@ -67,9 +69,8 @@ def _foreign(source: Path, start: bytes) -> FileError:
     size = source.stat().st_size
     resembles = size == merl.FILE_SIZE or start[:8] == merl.HEADER[:8]
     if resembles and len(start) >= len(merl.HEADER):
-        return FileError(
-            f"'{source}' has dimensions {merl.dimensions(start)}; a MERL table has 90 x 90 x 180"
-        )
+        found = " x ".join(map(str, np.frombuffer(start[: len(merl.HEADER)], "<i4")))
+        return FileError(f"'{source}' has dimensions {found}; a MERL table has 90 x 90 x 180")
     return FileError(
         f"'{source}' ({size} bytes) is neither a MERL table "
         "(it does not start with the dimensions 90, 90, 180) nor an RGL tensor file; "

@@ -109,8 +109,3 @@ def read(path: Path) -> np.ndarray:
             with np.errstate(all="ignore"):  # values out of range become infinite: see Merl
                 table[..., channel] = (plane * scale).reshape(SHAPE)
     return table
-
-
-def dimensions(header: bytes) -> str:
-    """The dimensions in a header's first twelve bytes, as text."""
-    return " x ".join(str(n) for n in np.frombuffer(header[:12], "<i4"))

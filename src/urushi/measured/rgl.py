@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from urushi.errors import FileError, ParameterError
 from urushi.measured.tabulated import MeasuredSurface, evaluate, tabulated
-from urushi.measured.warp import BilinearGrid, Warp, slices_at
+from urushi.measured.warp import Warp, bilinear, slices_at
 
 #: Number of dimensions and type of each tensor that every file has.
 TENSORS = {
@@ -95,19 +95,22 @@ class Rgl(MeasuredSurface):
         self.isotropic = len(phi_i) <= RELATIVE_AZIMUTHS
         if self.isotropic:  # Mitsuba reads a second azimuth, which only repeats the first
             phi_i = phi_i[:1]
-        self._symmetry = 1 if self.isotropic else _symmetry(phi_i)
+        self._symmetry = 1  # the azimuths cover a turn over it
+        if not self.isotropic:
+            turns = np.rint(2 * np.pi / (phi_i[-1] - phi_i[0]))
+            self._symmetry = int(np.clip(turns, 1, 4))
         self._nodes = tensors["theta_i"].astype(np.float64), phi_i
-        self._ndf = BilinearGrid(tensors["ndf"].astype(np.float64)[None, ..., None])
-        self._sigma = BilinearGrid(tensors["sigma"].astype(np.float64)[None, ..., None])
+        self._ndf, self._sigma = (
+            tensors[name].astype(np.float64)[None, ..., None] for name in ("ndf", "sigma")
+        )
         used = slice(len(phi_i))
         self._vndf = Warp(_joined(np.maximum(tensors["vndf"][used], 0)))
-        self._measured = BilinearGrid(_joined(np.moveaxis(measured[used], 2, -1)))
+        self._measured = _joined(np.moveaxis(measured[used], 2, -1))
         self._jacobian = bool(tensors["jacobian"][0])
-        self._channels = measured.shape[2]
         self._rgb, self.wavelengths = self._measured, None
         if SPECTRA in tensors:
             self.wavelengths = tensors["wavelengths"].astype(np.float64)
-            self._rgb = BilinearGrid(self._measured.values @ srgb_weights(self.wavelengths))
+            self._rgb = self._measured @ srgb_weights(self.wavelengths)
 
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         """Evaluate in linear sRGB.
@@ -125,10 +128,7 @@ class Rgl(MeasuredSurface):
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
 
-        def lookup(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-            return np.maximum(self._lookup(wi, wo, self._rgb), 0)
-
-        return evaluate(lookup, 3, wi, wo)
+        return np.maximum(evaluate(partial(self._lookup, measured=self._rgb), 3, wi, wo), 0)
 
     def table(self) -> np.ndarray:
         """The mean of f over the exchange of wi and wo, float32 (256, 64, 64, 3) [1/sr].
@@ -150,18 +150,14 @@ class Rgl(MeasuredSurface):
             ParameterError: the material is anisotropic, which such a table cannot hold.
         """
         self._check_isotropic()
-        rows = self._measured.values.reshape(-1, self._channels)
+        rows = self._measured.reshape(-1, self._measured.shape[-1])
         mean = np.abs(rows).mean(axis=1, keepdims=True)
         rows = rows / np.where(mean > 0, mean, 1)
         power, vectors = np.linalg.eigh(rows.T @ rows)  # the weakest first
         needed = int((power.cumsum() > COMPONENTS_ERROR**2 * power.sum()).sum())
         spectra = vectors[:, -min(max(needed, 1), MOST_COMPONENTS) :].T
-        few = BilinearGrid(self._measured.values @ spectra.T)
-
-        def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-            return evaluate(partial(self._lookup, measured=few), len(spectra), wi, wo)
-
-        return tabulated(f, TABLE_SHAPE), spectra
+        lookup = partial(self._lookup, measured=self._measured @ spectra.T)
+        return tabulated(partial(evaluate, lookup, len(spectra)), TABLE_SHAPE), spectra
 
     def _check_isotropic(self) -> None:
         if not self.isotropic:
@@ -170,12 +166,10 @@ class Rgl(MeasuredSurface):
                 "ones only; in a scene, put Mitsuba's 'measured' under the coat"
             )
 
-    def _lookup(
-        self, wi: np.ndarray, wo: np.ndarray, measured: BilinearGrid | None = None
-    ) -> np.ndarray:
+    def _lookup(self, wi: np.ndarray, wo: np.ndarray, measured: np.ndarray) -> np.ndarray:
         """The formula of this module for float64 (N, 3) directions above the horizon.
 
-        measured: other values in place of those of the file.
+        measured: the values, such as those of the file.
         """
         wi, wo = _folded(wi, wo, self._symmetry)
         m = wi + wo
@@ -194,12 +188,11 @@ class Rgl(MeasuredSurface):
             for theta, phi in ((theta_i, phi_i), (theta_m, azimuth))
         )
         slices = slices_at(self._nodes, theta_i, phi_i)
-        measured = measured or self._measured
-        result = measured.evaluate(self._vndf.invert(u_m, slices), slices)
+        result = bilinear(measured, self._vndf.invert(u_m, slices), slices)
         scale = 1 / np.maximum(wo[:, 2:], MIN_COSINE)
         if self._jacobian:
             once = [(np.zeros(len(wi), np.intp), np.ones(len(wi)))]
-            scale *= self._ndf.evaluate(u_m, once) / (4 * self._sigma.evaluate(u_i, once))
+            scale *= bilinear(self._ndf, u_m, once) / (4 * bilinear(self._sigma, u_i, once))
         return result * scale
 
 
@@ -263,11 +256,6 @@ def _elevation(w: np.ndarray) -> np.ndarray:
 def _joined(tensor: np.ndarray) -> np.ndarray:
     """A tensor (P, T, ...) of azimuths and elevations as slices (P T, ...)."""
     return tensor.reshape(-1, *tensor.shape[2:]).copy()
-
-
-def _symmetry(phi_i: np.ndarray) -> int:
-    """1, 2 or 4: the share of a turn that azimuths (P,) cover is one over it."""
-    return int(np.clip(np.rint(2 * np.pi / (phi_i[-1] - phi_i[0])), 1, 4))
 
 
 def _folded(wi: np.ndarray, wo: np.ndarray, symmetry: int) -> tuple[np.ndarray, np.ndarray]:

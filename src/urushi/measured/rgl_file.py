@@ -27,15 +27,12 @@ TYPES = {
 
 
 def read(path: Path) -> dict[str, np.ndarray]:
-    """Return the arrays by name, which share the memory of the file's content.
+    """The arrays by name of a file that begins with `MAGIC`; they share the memory of its content.
 
     Raises:
-        FileError: the file is no tensor file, of another version or truncated, or its tensors
-            repeat a name, overlap, or lie outside of the file.
+        FileError: the file is of another version or truncated, or a tensor lies outside of it.
     """
     content = path.read_bytes()
-    if not content.startswith(MAGIC):
-        raise FileError(f"'{path}' is not a tensor file; its first bytes are not 'tensor_file'")
     if tuple(content[12:14]) not in ((), VERSION):
         version = ".".join(map(str, content[12:14]))
         raise FileError(f"the tensor file '{path}' has version {version}; only 1.0 can be read")
@@ -61,7 +58,7 @@ def _tensors(content: bytes) -> dict[str, np.ndarray]:
     (count,) = unpack("I")
     if count > MAX_FIELDS:
         raise ValueError(f"it claims {count} fields")
-    found, extents = {}, []
+    found = {}
     for _ in range(count):
         (length,) = unpack("H")
         name = unpack(f"{length}s")[0].decode("utf-8", "replace")[:40]
@@ -74,16 +71,8 @@ def _tensors(content: bytes) -> dict[str, np.ndarray]:
         end = start + math.prod(shape) * dtype.itemsize
         if end > len(content):
             raise ValueError(f"its tensor {name!r} ends at byte {end}, outside the file")
-        if name in found:
-            raise ValueError("two of its tensors have the same name")
         try:
             found[name] = np.frombuffer(memoryview(content)[start:end], dtype).reshape(shape)
         except ValueError as error:  # a dimension too large for NumPy in an empty array
             raise ValueError(f"its tensor {name!r} has the shape {shape}") from error
-        extents.append((start, end, repr(name)))
-    end, previous = place, "the header"
-    for start, following, name in sorted(extents):
-        if start < end:
-            raise ValueError(f"its tensor {name} overlaps {previous}")
-        end, previous = following, name
     return found

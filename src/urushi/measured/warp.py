@@ -34,23 +34,20 @@ def _between(nodes: np.ndarray, x: np.ndarray) -> list[tuple[np.ndarray, np.ndar
     return [(lower, 1 - weight), (lower + 1, weight)]
 
 
-class BilinearGrid:
-    """Bilinear interpolation between the nodes of a regular grid over the unit square."""
+def bilinear(
+    values: np.ndarray, u: np.ndarray, slices: list[tuple[np.ndarray, np.ndarray]]
+) -> np.ndarray:
+    """Values (N, channels) at u (N, 2) in [0, 1], between the given slices.
 
-    def __init__(self, values: np.ndarray) -> None:
-        """values: (T, rows, columns, channels); u = (x along columns, y along rows)."""
-        self.values = values
-
-    def evaluate(self, u: np.ndarray, slices: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-        """Return (N, channels) at u (N, 2) in [0, 1], between the given slices."""
-        rows, columns = self.values.shape[1:3]
-        (column, row), (x, y) = _cell(u, rows, columns)
-        result = np.zeros((len(u), self.values.shape[3]))
-        for s, weight in slices:
-            for j, weight_j in ((row, 1 - y), (row + 1, y)):
-                for i, weight_i in ((column, 1 - x), (column + 1, x)):
-                    result += (weight * weight_j * weight_i)[:, None] * self.values[s, j, i]
-        return result
+    values: (T, rows, columns, channels); u = (x along columns, y along rows).
+    """
+    (column, row), (x, y) = _cell(u, *values.shape[1:3])
+    result = np.zeros((len(u), values.shape[3]))
+    for s, weight in slices:
+        for j, weight_j in ((row, 1 - y), (row + 1, y)):
+            for i, weight_i in ((column, 1 - x), (column + 1, x)):
+                result += (weight * weight_j * weight_i)[:, None] * values[s, j, i]
+    return result
 
 
 class Warp:
