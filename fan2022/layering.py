@@ -9,7 +9,7 @@ import numpy as np
 from fan2022.architecture import parameters_of
 from fan2022.inference import layer
 from fan2022.preset import PaperPreset
-from fan2022.representation import RULE, updated
+from fan2022.representation import RULE, learnt, updated
 from urushi.nets.mlp import Params
 
 #: The learning rate, its factor at each decay, and the number of decays: the paper's rate decays
@@ -75,15 +75,12 @@ def learn_epoch(
     state: LayeringState, sets: dict[str, Examples], preset: PaperPreset, epoch: int
 ) -> tuple[LayeringState, float]:
     """Take the steps of one epoch: on two layers for `layering_epochs`, then on three layers."""
-    period = max(1, preset.layering_epochs // DECAYS)
     if epoch < preset.layering_epochs:
-        data = sets["train"]
-        rate = RATE * DECAY ** (epoch // period)
+        period = max(1, preset.layering_epochs // DECAYS)
+        data, rate = sets["train"], RATE * DECAY ** (epoch // period)
     else:
         data, rate = sets["three-layer"], FINETUNING_RATE
     order = np.random.default_rng((preset.seed, 1, epoch)).permutation(len(data.target))
-    losses = []
-    for rows in np.array_split(order, -(-len(order) // ROWS)):
-        state, loss = step(state, Examples(*(column[rows] for column in data)), rate)
-        losses.append(loss)
-    return state, float(np.mean(jax.device_get(losses)))
+    parts = np.array_split(order, -(-len(order) // ROWS))
+    batches = (Examples(*(column[rows] for column in data)) for rows in parts)
+    return learnt(step, state, batches, rate)

@@ -3,7 +3,7 @@
 Batches of the two-layer BRDFs are streamed from the store in bounded memory.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
 import jax
@@ -24,6 +24,10 @@ GROUP = 1 << 24
 
 #: BRDFs that pass the network together, at most: so few activations stay in a core's cache.
 TOGETHER = 8
+
+
+#: step(state, batch, *rates) returns the next state and the loss of the batch.
+Step = Callable[..., tuple[Any, jax.Array]]
 
 
 class Batch(NamedTuple):
@@ -145,12 +149,10 @@ def step(
     return RepresentationState(params, optimiser, latents, moments), loss
 
 
-def learn_epoch(
-    state: RepresentationState, batches: Iterable[Batch], weights_rate: float, latents_rate: float
-) -> tuple[RepresentationState, float]:
-    """Take the steps of one epoch; returns the mean loss too."""
+def learnt(step: Step, state: Any, batches: Iterable[Any], *rates: float) -> tuple[Any, float]:
+    """Take a step with each batch; returns the mean loss too."""
     losses = []
     for batch in batches:
-        state, loss = step(state, batch, weights_rate, latents_rate)
+        state, loss = step(state, batch, *rates)
         losses.append(loss)
     return state, float(np.mean(jax.device_get(losses)))

@@ -64,8 +64,10 @@ def train(
                 desc=f"epoch {epoch + 1} of {preset.epochs}",
                 disable=None,
             )
-            learnt, loss = representation.learn_epoch(point.state, batches, *preset.rates(epoch))
-            point = reached(replace(point, step=epoch + 1, state=learnt), {"loss": loss})
+            state, loss = representation.learnt(
+                representation.step, point.state, batches, *preset.rates(epoch)
+            )
+            point = reached(replace(point, step=epoch + 1, state=state), {"loss": loss})
         point = reached(replace(starts["projection"], networks=dict(point.state.params)))
     if point.stage == "projection":
         for shard in tqdm(range(point.step, store.spec.shards()), desc="shards", disable=None):
