@@ -129,11 +129,3 @@ def test_equal_interfaces_are_projected_once(params, projected, monkeypatch):
 def test_impossible_options_are_refused(options):
     with pytest.raises(ParameterError, match=r"give a whole number from 1 to"):
         PaperArchitecture(**options)
-
-
-def test_pairs_are_unit_vectors_above_the_horizon_in_all_azimuths():
-    for w in networks.projection_pairs():
-        np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
-        assert w[:, 2].min() > 0
-        azimuth = np.arctan2(w[:, 1], w[:, 0])
-        assert np.histogram(azimuth, bins=8, range=(-np.pi, np.pi))[0].min() > networks.PAIRS // 16

@@ -111,13 +111,6 @@ def test_directions_below_the_horizon_have_zero_albedo() -> None:
     assert not se.any()
 
 
-def test_no_directions_give_no_values() -> None:
-    value, se = albedo(STACKS["diffuse"], np.zeros((0, 3)))
-    assert value.shape == se.shape == (0, 3)
-
-
-def test_errors_name_the_bad_input() -> None:
-    with pytest.raises(ParameterError, match="walks is 1; a standard error needs at least 2"):
-        albedo(STACKS["diffuse"], WI, walks=1)
+def test_directions_that_are_no_unit_vectors_are_named() -> None:
     with pytest.raises(ParameterError, match=r"wi\[0\] = .* is not a unit vector"):
         albedo(STACKS["diffuse"], [[0, 0, 2]])

@@ -140,12 +140,7 @@ def test_a_slab_from_below_is_the_slab_upside_down(stack: Stack) -> None:
 @pytest.mark.parametrize("medium", [0.0, 0.4])
 def test_one_rough_surface_is_walters_btdf(eta: float, medium: float) -> None:
     wi, wo = cosine_pairs(np.random.default_rng(8), 60)
-    # The azimuth of the kernel is that between directions of propagation.
-    cos_phi = -(wi[:, :2] * wo[:, :2]).sum(1) / np.prod(
-        [np.linalg.norm(w[:, :2], axis=1) for w in (wi, wo)], axis=0
-    )
-    kernel = surfaces.transmission(0.3, eta)
-    expected = eta**2 * kernel(*(w[:, 2].astype(float) for w in (wi, wo)), cos_phi)
+    expected = eta**2 * surfaces.at_pairs(surfaces.transmission(0.3, eta), wi, wo)
     for stack, inside in (
         (coat(dielectric(0.3, eta), 0.6, 1.0, sigma_t=medium), wi),
         (coat(dielectric(0.6, 1.0), 0.3, eta, sigma_t=medium), wo),

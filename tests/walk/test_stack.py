@@ -10,13 +10,14 @@ from urushi.walk import (
     Conductor,
     Stack,
     StackTable,
+    analytic,
     coat,
     conductor,
     dielectric,
     diffuse,
     simulate,
-    walk_pairs,
 )
+from urushi.walk.simulate import albedo
 from urushi.walk.table import from_stack
 
 UP = [[0.0, 0.0, 1.0]]
@@ -140,17 +141,22 @@ def test_errors_name_mistakes_in_a_simulation(arguments: tuple, sentence: str) -
 
 def test_one_walk_has_no_standard_error() -> None:
     for walks in (1, 0, -5):
-        with pytest.raises(ParameterError, match=f"walks is {walks}; .* needs at least 2"):
-            simulate(STACK, UP, UP, walks=walks)
-        with pytest.raises(ParameterError, match=f"walks is {walks}; .* needs at least 2"):
-            ones = np.array(UP, np.float32)
-            walk_pairs(from_stack(STACK), np.zeros(1, np.uint32), ones, ones, walks=walks, seed=0)
+        for use in (
+            lambda n: simulate(STACK, UP, UP, walks=n),
+            lambda n: albedo(STACK, UP, walks=n),
+        ):
+            with pytest.raises(ParameterError, match=f"walks is {walks}; .* needs at least 2"):
+                use(walks)
 
 
 def test_no_directions_give_no_values() -> None:
     nothing = np.zeros((0, 3))
-    f, se = simulate(STACK, nothing, nothing, walks=2, progress=False)
-    assert f.shape == se.shape == (0, 3)
+    for values in (
+        *simulate(STACK, nothing, nothing, walks=2, progress=False),
+        *albedo(STACK, nothing),
+        *(analytic.f(bottom, nothing, nothing) for bottom in (diffuse(0.5), conductor(0.2, 0.9))),
+    ):
+        assert values.shape == (0, 3)
 
 
 def test_errors_name_mistakes_in_a_table() -> None:

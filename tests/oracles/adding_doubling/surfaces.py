@@ -101,6 +101,14 @@ BOTTOMS = {
 }
 
 
+def at_pairs(kernel: Kernel, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """A kernel (P,) at directions (P, 3) that point away from the surface, on one side of it."""
+    wi, wo = wi.astype(np.float64), wo.astype(np.float64)
+    lengths = np.hypot(wi[:, 0], wi[:, 1]) * np.hypot(wo[:, 0], wo[:, 1])
+    cos_phi = -(wi[:, :2] * wo[:, :2]).sum(1) / np.maximum(lengths, 1e-300)
+    return kernel(wi[:, 2], wo[:, 2], cos_phi)
+
+
 def transmission(alpha: float, eta: float) -> Kernel:
     """The symmetric kernel S of transmission between outside (first) and inside cosines.
 
