@@ -5,7 +5,7 @@ import pytest
 
 from urushi.checks import Widths
 from urushi.core import fresnel
-from urushi.core.namespace import NUMPY
+from urushi.core.namespace import NUMPY, Components
 from urushi.core.probe_pairs import even_points
 from urushi.material.crossing import cross, crossing_at, in_plane, inner_albedo
 
@@ -19,7 +19,7 @@ POINTS = even_points(64, 2).astype(np.float32)
 def test_drawn_and_given_directions_agree(alpha, eta, turn):
     """Seen along x or between the axes."""
     sine, _, cosine = in_plane(COSINES)
-    seen = (sine * np.float32(np.cos(turn)), sine * np.float32(np.sin(turn)), cosine)
+    seen = Components(sine * np.float32(np.cos(turn)), sine * np.float32(np.sin(turn)), cosine)
     drawn = cross(seen, alpha, eta, POINTS)
     given = crossing_at(seen, drawn.inside, alpha, eta)
     present = drawn.weight > 0
@@ -43,7 +43,7 @@ def test_the_density_integrates_to_what_crosses(eta):
     mean = cross(in_plane(cosine), alpha, eta, points).weight.mean()
     u = even_points(1 << 18, 2)
     sine, phi = np.sqrt(1 - u[:, 0] ** 2), 2 * np.pi * u[:, 1]
-    inside = tuple(np.float32(x) for x in (sine * np.cos(phi), sine * np.sin(phi), u[:, 0]))
+    inside = Components(*(np.float32(x) for x in (sine * np.cos(phi), sine * np.sin(phi), u[:, 0])))
     found = crossing_at(in_plane(cosine), inside, alpha, eta)
     assert 2 * np.pi * (found.density * found.weight).mean() == pytest.approx(mean, rel=0.01)
 

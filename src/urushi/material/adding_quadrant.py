@@ -14,7 +14,7 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core.microfacet import pair
-from urushi.core.namespace import Namespace
+from urushi.core.namespace import Namespace, components
 from urushi.core.quadrature import directional_albedos
 from urushi.material import adding
 from urushi.material.crossing import inner_albedo
@@ -118,7 +118,7 @@ def interface_parts(alpha: float | Widths, eta: float) -> np.ndarray:
     """The parts (4, Q, Q) of the reflection of an interface from below; eta: below over above."""
     if eta == 1:
         return np.zeros((4, CELLS**2, CELLS**2), np.float32)
-    albedo = inner_albedo(tuple(directions()[:, k, None] for k in range(3)), alpha, eta)
+    albedo = inner_albedo(components(directions()[:, None]), alpha, eta)
     lobe = lobes.of_coat(Widths(*map(np.float32, pair(alpha))), np.float32(1 / eta))
     return parts(lambda *pairs: lobes.f(lobe, *pairs)[:, None], albedo[:, None])[0]
 

@@ -32,7 +32,7 @@ from urushi.core.namespace import DRJIT
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
 from urushi.core.table import SHAPE, known_pairs
 from urushi.material import adding, adding_quadrant
-from urushi.material.crossing import GENERATORS, LEAST_COSINE, cross, crossing_at
+from urushi.material.crossing import GENERATORS, LEAST_COSINE, cross, crossing_at, kept
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate, of_material, parts_of
@@ -302,14 +302,14 @@ class _Kernel:
         step = self._half or self._refracted
         for first in range(0, self._refracted, step):
             u = lane.lattice(self._refracted, GENERATORS[self._refracted], first)
-            a, b = self._crossed(wi, alpha, eta, u[:2]), self._crossed(wo, alpha, eta, u[2:])
+            a, b = cross(wi, alpha, eta, u[:2], DRJIT), cross(wo, alpha, eta, u[2:], DRJIT)
             once, places = self._once(a.inside, b.inside)
             again = self._again(a.inside, b.inside, places) * (a.weight * b.weight)
             total = total + (once * self._weight(a, b) + again) / self._refracted
         if self._half:
             u = lane.lattice(self._half, GENERATORS[self._half])
             for near, far, own, others in ((wi, wo, u[:2], u[2:]), (wo, wi, u[2:], u[:2])):
-                a = self._crossed(near, alpha, eta, own)
+                a = cross(near, alpha, eta, own, DRJIT)
                 once = self._by_half_vectors(a, far, alpha, eta, others)
                 total = total + once * (HALF_SHARE / self._half)
         return total / (eta * eta)
@@ -334,11 +334,6 @@ class _Kernel:
         cosine = wi.x * wo.x + wi.y * wo.y + wi.z * wo.z
         return adding.reflected_once(self._media, wi.z, wo.z, cosine, DRJIT)
 
-    @staticmethod
-    def _crossed(outside: Any, alpha: Any, eta: Any, u: Sequence[Any]) -> Any:
-        crossing = cross(outside, alpha, eta, u, DRJIT)
-        return crossing._replace(inside=type(outside)(*crossing.inside))
-
     def _weight(self, a: Any, b: Any) -> Any:
         """The weight of a pair of crossings by the balance heuristic."""
         weight = a.weight * b.weight
@@ -361,6 +356,6 @@ class _Kernel:
         cosine = w.x * half.x + w.y * half.y + w.z * half.z
         seen = 2 * cosine * half - w
         reached = (near.weight > 0) & (cosine > 0) & (seen.z > LEAST_COSINE)
-        seen = type(w)(*(DRJIT.where(reached, x, n) for x, n in zip(seen, (0, 0, 1), strict=True)))
-        other = crossing_at(far, seen, alpha, eta, DRJIT)._replace(inside=seen)
+        seen = kept(seen, reached, DRJIT)
+        other = crossing_at(far, seen, alpha, eta, DRJIT)
         return DRJIT.where(reached, self._once(w, seen)[0] * self._weight(near, other), 0)

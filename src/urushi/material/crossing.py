@@ -8,9 +8,9 @@ w' of the refracted light inside, reversed to point upwards:
 (Walter et al. 2007, eq. 40). Facets are drawn among those visible from w (Dupuy and Benyoub 2023,
 listing 1). The transmitted fraction of the light is the weight (1 - F) G1(w').
 
-A `Vector` is three arrays that broadcast: x, y and z. A width `alpha` is one number or two `Widths`
-along x and y (Heitz 2014, section 5.4). All arrays are float32 of NumPy; those functions that take
-a `Namespace`, `xp`, serve Dr.Jit too, whose vectors are `Array3f`.
+Directions are `Components` that broadcast. A width `alpha` is one number or two `Widths` along x
+and y (Heitz 2014, section 5.4). All arrays are float32 of NumPy; those functions that take a
+`Namespace`, `xp`, serve Dr.Jit too, whose directions are `Array3f`.
 """
 
 from collections.abc import Sequence
@@ -21,9 +21,6 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
 from urushi.core.namespace import NUMPY, Components, Namespace
-
-#: Components x, y and z of unit vectors.
-Vector = tuple[np.ndarray, ...]
 
 #: Least cosine of a direction inside. Light closer to the horizon does not cross.
 LEAST_COSINE = 1e-4
@@ -39,9 +36,9 @@ TINY = 1e-12
 class Crossing(NamedTuple):
     """Light that crosses an interface, from directions outside to directions inside."""
 
-    inside: Vector  # the directions inside; the normal where light does not cross
-    weight: np.ndarray  # transmitted fraction of the light over the density; 0 where none crosses
-    density: np.ndarray  # of probability of the inner direction [1/sr], given the outer one
+    inside: Any  # the directions inside; the normal where light does not cross
+    weight: Any  # transmitted fraction of the light over the density; 0 where none crosses
+    density: Any  # of probability of the inner direction [1/sr], given the outer one
 
 
 def cross(
@@ -66,16 +63,21 @@ def cross(
     size = 1 / xp.sqrt(x * x + y * y + z * z)
     x, y, z = x * size, y * size, z * size
     present = (cos_t > 0) & (z > LEAST_COSINE)
-    inside = tuple(xp.where(present, w, n) for w, n in zip((x, y, z), (0, 0, 1), strict=True))
+    inside = kept(type(outside)(x, y, z), present, xp)
     weight = (1 - reflectance) * masking(inside, alpha, xp)
     density = _density(outside, facet, cos_m, cos_t, alpha, eta, xp)
     return Crossing(inside, xp.where(present, weight, 0), density)
 
 
-def in_plane(cosine: np.ndarray) -> Vector:
+def kept(w: Any, present: Any, xp: Namespace = NUMPY) -> Any:
+    """Directions where they are present, elsewhere the normal."""
+    return type(w)(*(xp.where(present, x, n) for x, n in zip(w, (0, 0, 1), strict=True)))
+
+
+def in_plane(cosine: np.ndarray) -> Components:
     """Directions of cosines (...) in the xz plane."""
     sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
-    return sine, np.zeros_like(sine), cosine
+    return Components(sine, np.zeros_like(sine), cosine)
 
 
 def facet_points(count: int) -> np.ndarray:
@@ -91,11 +93,11 @@ def crossing_at(outside: Any, inside: Any, alpha: Any, eta: Any, xp: Namespace =
     """The weight and the density of given pairs of directions outside and inside."""
     eta = _single(eta)
     sign = (eta - 1) / xp.absolute(eta - 1)
-    facet = tuple(sign * (eta * b - a) for a, b in zip(outside, inside, strict=True))
-    size = xp.sqrt(sum(x * x for x in facet))
-    facet = tuple(x / xp.maximum(size, TINY) for x in facet)
+    x, y, z = (sign * (eta * b - a) for a, b in zip(outside, inside, strict=True))
+    size = xp.maximum(xp.sqrt(x * x + y * y + z * z), TINY)
+    facet = type(outside)(x / size, y / size, z / size)
     cos_m, cos_t = _dot(outside, facet), _dot(inside, facet)
-    present = (cos_m > 0) & (cos_t > 0) & (facet[2] > 0) & (inside[2] > LEAST_COSINE)
+    present = (cos_m > 0) & (cos_t > 0) & (facet.z > 0) & (inside.z > LEAST_COSINE)
     cos_m, cos_t = xp.clip(cos_m, TINY, 1), xp.clip(cos_t, TINY, 1)
     reflectance = fresnel.dielectric(cos_m, eta, xp)[0]
     x, y, z = inside
@@ -107,12 +109,12 @@ def crossing_at(outside: Any, inside: Any, alpha: Any, eta: Any, xp: Namespace =
 class Mirrored(NamedTuple):
     """Light that facets mirror, from directions outside."""
 
-    outwards: Vector  # the mirrored directions
+    outwards: Components  # the mirrored directions
     cosine: np.ndarray  # of either direction to the facet
     masking: np.ndarray  # share that no other facet blocks, over the density; 0 below the horizon
 
 
-def mirrored(outside: Vector, alpha: Any, u: np.ndarray) -> Mirrored:
+def mirrored(outside: Components, alpha: Any, u: np.ndarray) -> Mirrored:
     """Let visible facets mirror light; arguments and result are as of `cross`.
 
     The mean of reflectance times masking is the albedo (Heitz and d'Eon 2014).
@@ -121,25 +123,24 @@ def mirrored(outside: Vector, alpha: Any, u: np.ndarray) -> Mirrored:
     cos_m = np.clip(_dot(outside, facet), TINY, 1)
     x, y, z = (2 * cos_m * m - w for w, m in zip(outside, facet, strict=True))
     seen = masking((x, y, np.maximum(z, LEAST_COSINE)), alpha)
-    return Mirrored((x, y, z), cos_m, np.where(z > LEAST_COSINE, seen, 0))
+    return Mirrored(Components(x, y, z), cos_m, np.where(z > LEAST_COSINE, seen, 0))
 
 
-def inner_albedo(inside: Vector, alpha: float | Widths, eta: float) -> np.ndarray:
+def inner_albedo(inside: Components, alpha: float | Widths, eta: float) -> np.ndarray:
     """The share (N,) of light of directions (N, 1) inside that the interface reflects back."""
     _, cosine, unblocked = mirrored(inside, alpha, facet_points(256))
     reflectance = fresnel.dielectric(cosine, np.float32(1 / eta), NUMPY)[0]
     return (reflectance * unblocked).mean(axis=1, dtype=np.float64)
 
 
-def visible_facets(outside: Any, alpha: Any, u: Any, xp: Namespace = NUMPY) -> Vector:
+def visible_facets(outside: Any, alpha: Any, u: Any, xp: Namespace = NUMPY) -> Any:
     """Facet normals (N, K) that are visible from directions (N, 1); u: as of `cross`."""
     width = microfacet.of_widths(_single, alpha)
     u1, u2 = (u[..., 0], u[..., 1]) if isinstance(u, np.ndarray) else u
-    w = Components(*outside) if isinstance(outside, tuple) else outside
-    m = microfacet.visible_normal(width, w, u1, u2, xp)
+    m = microfacet.visible_normal(width, outside, u1, u2, xp)
     z = xp.maximum(m.z, 0)
     size = 1 / xp.sqrt(xp.maximum(m.x * m.x + m.y * m.y + z * z, TINY))
-    return m.x * size, m.y * size, z * size
+    return type(outside)(m.x * size, m.y * size, z * size)
 
 
 def masking(w: Any, alpha: Any, xp: Namespace = NUMPY) -> Any:
@@ -159,9 +160,9 @@ def _density(
     """The density of directions inside [1/sr] (Walter et al. 2007, eqs. 17 and 33)."""
     width = microfacet.of_widths(_single, alpha)
     square = microfacet.product(width)
-    spread = microfacet.squeezed_sine2(Components(*facet), width) + square * (facet[2] * facet[2])
+    spread = microfacet.squeezed_sine2(facet, width) + square * (facet.z * facet.z)
     normals = square / (np.pi * (spread * spread))
-    visible = masking(outside, alpha, xp) * normals * cos_m / outside[2]
+    visible = masking(outside, alpha, xp) * normals * cos_m / outside.z
     change = eta * cos_t - cos_m
     return visible * (eta * eta) * cos_t / xp.maximum(change * change, TINY)
 
@@ -172,4 +173,4 @@ def _single(x: Any) -> Any:
 
 
 def _dot(a: Any, b: Any) -> Any:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return a.x * b.x + a.y * b.y + a.z * b.z

@@ -11,6 +11,7 @@ import functools
 
 import numpy as np
 
+from urushi.core.namespace import components
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.crossing import facet_points, mirrored
 from urushi.nets import basis, code_fit, transmittance
@@ -67,7 +68,7 @@ def lobe_albedos(lobe: np.ndarray) -> np.ndarray:
     equal in half precision are measured once.
     """
     rule = albedo_rule(1 + (lobe.shape[-1] > len(lobes.LOBE_NUMBERS)))
-    wi, points = tuple(rule.directions[:, k, None] for k in range(3)), facet_points(FACETS)
+    wi, points = components(rule.directions[:, None]), facet_points(FACETS)
 
     def measure(some: np.ndarray) -> np.ndarray:
         some = some[:, None, None]

@@ -129,10 +129,13 @@ def _straight(
         for given in range(inner + 1):
             down, up, crosses = [start], [end], start.z > 0
             for k in range(given):
-                crosses &= _draw(down, *facets[k], u[2 * k : 2 * k + 2])
+                drawn = cross(down[-1], *facets[k], u[2 * k : 2 * k + 2], DRJIT)
+                down, crosses = [*down, drawn.inside], crosses & (drawn.weight > 0)
             for k in range(inner, given, -1):
-                crosses &= _draw(up, facets[k][0], 1 / facets[k][1], u[2 * k - 2 : 2 * k])
-            path = down + up[::-1]
+                alpha, eta = facets[k]
+                drawn = cross(up[0], alpha, 1 / eta, u[2 * k - 2 : 2 * k], DRJIT)
+                up, crosses = [drawn.inside, *up], crosses & (drawn.weight > 0)
+            path = down + up
             f = _path_share(path, facets)
             for w, of_medium in zip(path[media], media_left, strict=True):
                 f = f * of_medium(w.z)
@@ -141,13 +144,6 @@ def _straight(
 
     found = lanes.sums(value, len(distinct), (above, below), paths)
     return found[:, which.ravel()] / np.float32(layers.indices()[-1] ** 2)
-
-
-def _draw(path: list[Any], alpha: Any, eta: Any, u: Sequence[Any]) -> Any:
-    """Append a direction beyond the next interface to a path; returns whether light crosses it."""
-    crossing = cross(path[-1], alpha, eta, u, DRJIT)
-    path.append(type(path[-1])(*crossing.inside))
-    return crossing.weight > 0
 
 
 def _path_share(path: list[Any], facets: list[tuple[Any, Any]]) -> Any:
