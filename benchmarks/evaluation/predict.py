@@ -77,9 +77,7 @@ def _lobes(samples: Samples, encoded: int) -> np.ndarray:
     if encoded:
         alpha = one_width(table.alpha, "the table's")
         return lobes.of_coat(alpha[:, -encoded], table.eta[:, -encoded])
-    names = KINDS[table.kind].parameters
-    bottom = np.stack([table.bottom[name] for name in names], axis=-1)
-    return bottom_lobes(table.kind, bottom)
+    return bottom_lobes(table.kind, table.bottom)
 
 
 def split(whole: Material) -> list[Material]:

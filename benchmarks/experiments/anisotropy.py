@@ -132,7 +132,7 @@ def _bottom(table: StackTable, row: int) -> Material:
     model = anisotropic_model()
     columns = {name: values[row : row + 1] for name, values in table.bottom.items()}
     if bottoms.KINDS[table.kind].family.bare:
-        lobe = bottom_lobes(table.kind, np.stack(list(columns.values()), axis=-1), 2)
+        lobe = bottom_lobes(table.kind, columns, 2)
         return material_of_lobes(lobe, model, channels=1)
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

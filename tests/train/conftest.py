@@ -41,10 +41,7 @@ def made_shard(spec: TableSpec, shard: int) -> dict[str, np.ndarray]:
         "table": log_f(*node_pairs(), c).astype(np.float16),
         "lobe": lobe.astype(np.float32),
         "stack": np.arange(shard * count, (shard + 1) * count, dtype=np.int32),
-        "kind": np.zeros(count, np.int32),
         "level": np.ones(count, np.int32),
-        "low": np.full(count, 1.5, np.float32),
-        "coat": np.zeros((count, 5), np.float32),
         "over": over.reshape(count, spec.coats, 5).astype(np.float32),
         "coated": log_f(*probe_pairs(spec.probes), coated)
         .reshape(count, spec.coats, -1)
@@ -59,18 +56,15 @@ def tiny() -> Preset:
 
 
 @pytest.fixture(scope="session")
-def tiny_data(tmp_path_factory):
-    """The folder of its data."""
-    path = tmp_path_factory.mktemp("data") / "tiny"
-    store = tables.opened(TINY.data, path)
-    for shard in range(TINY.data.shards()):
-        arrays = made_shard(TINY.data, shard)
-        description = {"version": tables.FORMAT_VERSION}
-        files.write_tensors(store.file(shard), "tables", description, arrays)
-    return path
+def store(tmp_path_factory) -> TableStore:
+    """Its data."""
+    made, description = tables.opened(TINY.data, tmp_path_factory.mktemp("data")), {"version": 1}
+    for shard in made.missing():
+        files.write_tensors(made.file(shard), "tables", description, made_shard(TINY.data, shard))
+    return made
 
 
 @pytest.fixture(scope="session")
-def store(tiny_data) -> TableStore:
-    """The data."""
-    return TableStore(tiny_data, TINY.data)
+def tiny_data(store):
+    """The folder of its data."""
+    return store.path

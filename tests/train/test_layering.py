@@ -91,14 +91,6 @@ def test_bottoms_of_rests_too_faint_to_see_count_as_without(tiny, found):
     np.testing.assert_array_equal(z[1:], z[[0, 0]])
 
 
-def test_batches_do_not_depend_on_the_division_into_steps(found):
-    whole = layering.batches(found, 16, 0)(0, 8)
-    parts = layering.batches(found, 16, 0)
-    first, last = parts(0, 3), parts(3, 5)
-    np.testing.assert_array_equal(whole.code, np.concatenate([first.code, last.code]))
-    assert whole.root.shape[:2] == (8, 16)
-
-
 def test_a_network_of_two_widths_begins_as_that_of_one(brushed):
     """For equal widths and functions without a factor."""
     own = default_model()

@@ -3,10 +3,6 @@
 import dataclasses
 import json
 import shutil
-import signal
-import subprocess
-import sys
-import time
 
 import numpy as np
 import pytest
@@ -21,28 +17,22 @@ from urushi.train.training import train
 
 @pytest.fixture(scope="module")
 def whole(tiny, tiny_data, tmp_path_factory):
-    """The result of `train_and_copy`."""
-    return train_and_copy(tiny, tiny_data, tmp_path_factory.mktemp("whole"))
+    """A model, its run folder, and a copy of the folder as an interruption would have left it.
 
-
-def train_and_copy(preset, data, parent):
-    """A model, its run folder, and copies of that folder as interruptions would have left it.
-
-    Copy k is made before save k + 1 (from k = 1 on).
+    That is after the first checkpoint.
     """
-    folder, copies = parent / "run", parent / "copies"
-    save, count = Journal.save, []
+    parent = tmp_path_factory.mktemp("whole")
+    folder, copy, save = parent / "run", parent / "copy", Journal.save
 
-    def copied(self, point, *figures):
-        if count:
-            shutil.copytree(folder, copies / str(len(count)))
-        count.append(point)
-        save(self, point, *figures)
+    def copied(self, *arguments):
+        if self.begun() and not copy.exists():
+            shutil.copytree(folder, copy)
+        save(self, *arguments)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Journal, "save", copied)
-        model = train(preset, data=data, out=folder / "weights.safetensors", run=folder)
-    return model, folder, copies
+        model = train(tiny, data=tiny_data, out=folder / "weights.safetensors", run=folder)
+    return model, folder, copy
 
 
 def log(folder):
@@ -51,30 +41,11 @@ def log(folder):
 
 
 def test_an_interrupted_training_resumes_to_the_same_bits(whole, tiny, tiny_data, tmp_path):
-    model, folder, copies = whole
-    shutil.copytree(copies / "1", tmp_path / "run")
+    model, folder, copy = whole
+    shutil.copytree(copy, tmp_path / "run")
     resumed = train(tiny, data=tiny_data, run=tmp_path / "run", resume=True)
     assert resumed.fingerprint == model.fingerprint
     assert log(tmp_path / "run") == log(folder)
-
-
-@pytest.mark.research
-def test_a_killed_process_resumes_to_the_same_bits(whole, tmp_path, tiny, tiny_data):
-    script = (
-        "import sys\n"
-        "from tests.train.conftest import TINY\n"
-        "from urushi.train.training import train\n"
-        "train(TINY, data=sys.argv[1], run=sys.argv[2])\n"
-    )
-    command = [sys.executable, "-c", script, str(tiny_data), str(tmp_path)]
-    process = subprocess.Popen(command)
-    deadline = time.monotonic() + 120
-    while not (tmp_path / "checkpoint.safetensors").exists() and time.monotonic() < deadline:
-        time.sleep(0.005)
-    process.send_signal(signal.SIGKILL)
-    assert process.wait() == -signal.SIGKILL
-    resumed = train(tiny, data=tiny_data, run=tmp_path, resume=True)
-    assert resumed.fingerprint == whole[0].fingerprint
 
 
 def test_the_time_of_the_data_is_kept_over_interruptions(tmp_path):

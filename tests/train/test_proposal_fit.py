@@ -37,18 +37,13 @@ def test_the_fit_lowers_the_variance(networks, codes, monkeypatch):
     wi = np.array([0.5, 0, np.sqrt(0.75)], np.float32)
     weights = mixtures.weights(fitted.proposal(codes, wi))
     np.testing.assert_allclose(weights.sum(axis=-1), 1, atol=1e-6)
-    before, after = (
-        proposal_fit.variance(problem, x)
-        for x in (proposal_fit.first_numbers(problem), _numbers(problem, found))
-    )
-    assert after < before - 0.1
-
-
-def _numbers(problem, found) -> np.ndarray:
-    """The optimisation's numbers of fitted parameters."""
+    # The optimisation's numbers of the fitted parameters.
     weight, bias, overlap = (found[f"proposal.{n}"] for n in ("weight", "bias", "overlap"))
-    mean = problem.rest[:, 0, 1:].mean(axis=0)
-    last = np.zeros(proposal.TERMS)
-    last[: len(overlap)] = np.log(overlap)
-    inner = np.linalg.solve(problem.factor, weight[1:].astype(float))
-    return np.concatenate([inner, (bias + mean @ weight[1:])[None], last[None]])
+    numbers = np.zeros((len(weight) + 1, proposal.TERMS))
+    numbers[:-2] = np.linalg.solve(problem.factor, weight[1:].astype(float))
+    numbers[-2] = bias + problem.rest[:, 0, 1:].mean(axis=0) @ weight[1:]
+    numbers[-1, : len(overlap)] = np.log(overlap)
+    first = np.zeros_like(numbers)
+    first[-2, : proposal.TERMS // 2] = -2  # the lobes of the rest reflect little
+    before, after = (proposal_fit.variance(problem, x) for x in (first, numbers))
+    assert after < before - 0.1

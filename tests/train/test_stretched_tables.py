@@ -67,7 +67,7 @@ def test_given_functions_stay_and_codes_improve():
     without = np.concatenate([given, 0 * fit[:, given.shape[1] :]], axis=1)
     errors = []
     for functions in (fit, without):
-        own = basis_fit.at_nodes_of(tables, functions)[:, 1:]
-        codes = basis_fit._codes(own, factors, tables, basis_fit._light_weights(tables))
-        errors.append(basis_fit.errors(functions, factors, tables, codes).mean())
+        own = tables.at_nodes(functions)[:, 1:]
+        codes = tables.codes(own, factors, tables.light_weights())
+        errors.append(tables.errors(own, factors, codes).mean())
     assert errors[0] < 0.5 * errors[1]

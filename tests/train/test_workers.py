@@ -51,7 +51,7 @@ def test_errors_of_tasks_are_those_of_the_caller():
 
 def test_workers_of_other_versions_are_refused():
     with pytest.raises(PlatformError, match=r"a worker has numpy .*, and this process has 0\.0"):
-        workers.checked(square, workers.versions() | {"numpy": "0.0"}, 1)
+        workers.computed(square, workers.versions() | {"numpy": "0.0"}, 1)
 
 
 @pytest.mark.parametrize(

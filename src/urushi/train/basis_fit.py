@@ -60,7 +60,10 @@ BLOCK = 128
 
 
 class Tables(NamedTuple):
-    """Materials N at azimuths T and nodes P. What all materials share has N = 1."""
+    """Materials N at azimuths T and nodes P. What all materials share has N = 1.
+
+    Functions (P, K) are at these nodes, without their factors `which` (K,), see `nets.basis`.
+    """
 
     logs: np.ndarray  # float32 (N, T, P) ln g
     top: np.ndarray  # float32 (N, 1, 1) integrals of f of the lobes over pairs
@@ -84,6 +87,64 @@ class Tables(NamedTuple):
         for factor in factors:
             values = values * self.factors[:, factor - 1] if factor else values
         return values.sum(axis=1)
+
+    def at_nodes(self, rows: np.ndarray) -> np.ndarray:
+        """Values float32 (P, K) at these nodes, of rows (nodes, K) at those of `core.table`."""
+        if self.logs.shape[2] == len(rows):
+            return rows
+        axes = [np.linspace(0, 1, count) for count in NODES]
+        places = (x.ravel() for x in np.meshgrid(*axes, indexing="ij"))
+        return sum(rows[node] * share[:, None] for node, share in corners(SHAPE, *places))
+
+    def light_weights(self) -> np.ndarray:
+        """Weights float32 (N, T, P) of squared errors of logarithms by light, and a floor."""
+        return self.measure * (np.exp(self.logs) / self.light() + np.float32(FLOOR))
+
+    def logs_of(self, functions: np.ndarray, which: np.ndarray, codes: np.ndarray) -> np.ndarray:
+        """ln g (N, T, P) of codes (N, K)."""
+        total = np.zeros_like(self.logs)
+        for factor, at in _blocks(which):
+            part = (codes[:, at] @ functions[:, at].T)[:, None]
+            total += part * self.factors[:, factor - 1] if factor else part
+        return np.minimum(total, MAX_LOG)
+
+    def codes(self, functions: np.ndarray, which: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Codes float32 (N, K) of least squares with weights (N, T, P)."""
+
+        def of(own: Tables, weight: np.ndarray) -> np.ndarray:
+            squares, products = (
+                functools.partial(own.summed, x) for x in (weight, weight * own.logs)
+            )
+            ridge = CODE_RIDGE * weight.sum(axis=(1, 2))
+            return np.linalg.solve(*_normal(functions, which, squares, products, ridge))[..., 0]
+
+        return self._in_blocks(of, weights).astype(np.float32)
+
+    def errors(self, functions: np.ndarray, which: np.ndarray, codes: np.ndarray) -> np.ndarray:
+        """E (N,) of codes (N, K) over all nodes, as shares of all light."""
+
+        def of(own: Tables, codes: np.ndarray) -> np.ndarray:
+            f = np.exp(own.logs_of(functions, which, codes))
+            return (np.abs(f - np.exp(own.logs)) * own.measure / own.light()).sum(axis=(1, 2))
+
+        return self._in_blocks(of, codes)
+
+    def error_weights(
+        self, functions: np.ndarray, which: np.ndarray, codes: np.ndarray
+    ) -> np.ndarray:
+        """Weights float32 (N, T, P) by which squares equal the errors of codes (N, K)."""
+
+        def of(own: Tables, codes: np.ndarray) -> np.ndarray:
+            logs = own.logs_of(functions, which, codes)
+            slopes = code_fit.error_slopes(logs, np.exp(own.logs), own.light())[1]
+            return (own.measure * slopes).astype(np.float32)
+
+        return self._in_blocks(of, codes)
+
+    def _in_blocks(self, function: Callable[..., np.ndarray], rows: np.ndarray) -> np.ndarray:
+        """`function` of the materials and these rows (N, ...), `BLOCK` at a time."""
+        some = [slice(i, i + BLOCK) for i in range(0, len(rows), BLOCK)]
+        return np.concatenate([function(self.taken(x), rows[x]) for x in some])
 
 
 def materials(held: Mapping[str, np.ndarray]) -> Tables:
@@ -154,74 +215,71 @@ def prepared(tables: Tables) -> tuple[Tables, np.ndarray]:
     return found._replace(logs=np.maximum(found.logs, np.log(least))), rows
 
 
-def fit_basis(
-    tables: Tables, given: np.ndarray, factors: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """The functions of a basis, and the inverse (K, K) of the mean products of codes.
+def fit_basis(tables: Tables, given: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The functions of a basis by alternating least squares, and what codes are tied to.
 
     Args:
         tables: `prepared` materials.
         given: float32 (nodes, 1 + G) mean and first functions, at the nodes of `core.table`.
-        factors: (K,) the factor of each function.
+        which: (K,) the factor of each function.
 
     Returns:
-        float32 (nodes, 1 + K) mean and all functions, the given ones among them, and the inverse.
+        float32 (nodes, 1 + K) mean and all functions, the given ones among them, and the inverse
+        float32 (K, K) of the mean products of codes.
     """
-    functions = fit_functions(tables, at_nodes_of(tables, given)[:, 1:], factors)
-    codes = _codes(functions, factors, tables, _light_weights(tables))
-    products = codes.T @ codes / len(codes) + 1e-9 * np.eye(len(factors))
-    further = functions[:, given.shape[1] - 1 :]
-    if len(further) != len(given):
-        further = _between_nodes(further)
+    first, count = tables.at_nodes(given)[:, 1:], given.shape[1] - 1
+    weights = by_light = tables.light_weights()
+    node_weight = by_light.mean(axis=(0, 1))
+    functions = _started(tables, first, which, node_weight)
+    for turn in range(ROUNDS + LATE_ROUNDS):
+        codes = tables.codes(functions, which, weights)
+        if turn >= ROUNDS:
+            weights = tables.error_weights(functions, which, codes)
+            weights = weights * (1 / (weights / by_light).mean()) + MIXED * by_light
+            codes = tables.codes(functions, which, weights)
+        functions = standardised(functions, count, which, codes, node_weight)
+        codes = tables.codes(functions, which, weights)
+        functions = _functions(codes, first, which, tables, weights)
+    codes = tables.codes(functions, which, weights)
+    functions = standardised(functions, count, which, codes, node_weight)
+    codes = tables.codes(functions, which, by_light)
+    products = codes.T @ codes / len(codes) + 1e-9 * np.eye(len(which))
+    further = functions[:, count:]
+    if len(further) != len(given):  # at coarse nodes: by cubic splines
+        further = further.reshape(*NODES, -1).astype(float)
+        for axis, (known, nodes) in enumerate(zip(NODES, SHAPE, strict=True)):
+            spline = CubicSpline(np.linspace(0, 1, known), further, axis=axis)
+            further = spline(np.linspace(0, 1, nodes))
+        further = further.reshape(len(given), -1).astype(np.float32)
     rows = on_grid(np.concatenate([given, further], axis=1))
     return rows, np.linalg.inv(products.astype(float)).astype(np.float32)
 
 
-def fit_functions(tables: Tables, given: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Functions float32 (P, K) by alternating least squares, the first of which are given."""
-    by_light = _light_weights(tables)
-    weights, node_weight = by_light, by_light.mean(axis=(0, 1))
-    functions = _started(tables, given, factors, node_weight)
-
-    def codes() -> np.ndarray:
-        return _codes(functions, factors, tables, weights)
-
-    for turn in range(ROUNDS + LATE_ROUNDS):
-        if turn >= ROUNDS:
-            weights = _error_weights(functions, factors, tables, codes())
-            weights = weights * (1 / (weights / by_light).mean()) + MIXED * by_light
-        functions = standardised(functions, given.shape[1], factors, codes(), node_weight)
-        functions = _functions(codes(), given, factors, tables, weights)
-    return standardised(functions, given.shape[1], factors, codes(), node_weight)
-
-
 def _started(
-    tables: Tables, given: np.ndarray, factors: np.ndarray, node_weight: np.ndarray
+    tables: Tables, given: np.ndarray, which: np.ndarray, node_weight: np.ndarray
 ) -> np.ndarray:
     """The given functions (P, G), and principal components of some materials."""
     some = np.random.default_rng(0).permutation(len(tables.logs))[:STARTING]
     chosen, functions = tables.taken(some), [given]
-    for factor, at in _blocks(factors, given.shape[1]):
-        logs = chosen.logs
-        if factor:
-            logs = logs - logs.mean(axis=1, keepdims=True)
-        else:
-            mean = logs.mean(axis=1) @ node_weight / node_weight.sum()
-            logs = logs - mean[:, None, None]
-        found = np.linalg.svd(chosen.summed(logs, factor), full_matrices=False)[2][: len(at)]
-        functions.append(np.sqrt(len(given)) * found.T)
+    for factor, at in _blocks(which, given.shape[1]):
+        mean = chosen.logs.mean(axis=1, keepdims=True)
+        if not factor:
+            mean = (mean[:, 0] @ node_weight / node_weight.sum())[:, None, None]
+        centred = chosen.summed(chosen.logs - mean, factor)
+        components = np.linalg.svd(centred, full_matrices=False)[2][: len(at)]
+        functions.append(np.sqrt(len(given)) * components.T)
     return np.concatenate(functions, axis=1, dtype=np.float32)
 
 
 def standardised(
-    functions: np.ndarray, given: int, factors: np.ndarray, codes: np.ndarray, weight: np.ndarray
+    functions: np.ndarray, given: int, which: np.ndarray, codes: np.ndarray, weight: np.ndarray
 ) -> np.ndarray:
     """The same model, with the functions that the module describes.
 
     functions: (P, K), of which the first are given. codes: (N, K). weight: (P,) of the nodes.
     """
     result, weight = functions.copy(), weight / weight.sum(dtype=float)
-    for factor, at in _blocks(factors, given):
+    for factor, at in _blocks(which, given):
         own = functions[:, at].astype(float)
         if not factor:
             own = own - weight @ own
@@ -234,12 +292,10 @@ def standardised(
     return result
 
 
-def _blocks(factors: np.ndarray, given: int = 0) -> list[tuple[int, np.ndarray]]:
+def _blocks(which: np.ndarray, given: int = 0) -> list[tuple[int, np.ndarray]]:
     """Each factor of functions (K,) that are not given, and the places of its functions."""
-    return [
-        (factor, given + np.flatnonzero(factors[given:] == factor))
-        for factor in np.unique(factors[given:]).tolist()
-    ]
+    own = which[given:]
+    return [(factor, given + np.flatnonzero(own == factor)) for factor in np.unique(own).tolist()]
 
 
 def probe_measure(rest: np.ndarray, integrals: np.ndarray) -> np.ndarray:
@@ -259,87 +315,8 @@ def probe_measure(rest: np.ndarray, integrals: np.ndarray) -> np.ndarray:
     return (np.maximum(weights, LEAST_WEIGHT) / count).astype(np.float32)
 
 
-def errors(rows: np.ndarray, factors: np.ndarray, tables: Tables, codes: np.ndarray) -> np.ndarray:
-    """E (N,) of codes (N, K) over all nodes, as shares of all light.
-
-    rows: (nodes, 1 + K) mean and functions. factors: (K,).
-    """
-    functions = at_nodes_of(tables, rows)[:, 1:]
-
-    def of(some: slice) -> np.ndarray:
-        own = tables.taken(some)
-        f = np.exp(_logs(functions, factors, own, codes[some]))
-        return (np.abs(f - np.exp(own.logs)) * own.measure / own.light()).sum(axis=(1, 2))
-
-    return _in_blocks(of, len(codes))
-
-
-def at_nodes_of(tables: Tables, rows: np.ndarray) -> np.ndarray:
-    """Values float32 (P, K) at the nodes of tables, of rows (nodes, K) at those of `core.table`."""
-    if tables.logs.shape[2] == len(rows):
-        return rows
-    axes = [np.linspace(0, 1, count) for count in NODES]
-    places = (x.ravel() for x in np.meshgrid(*axes, indexing="ij"))
-    return sum(rows[node] * share[:, None] for node, share in corners(SHAPE, *places))
-
-
-def _between_nodes(functions: np.ndarray) -> np.ndarray:
-    """Values (nodes, K) of values (P, K) at the coarse nodes of two widths, by cubic splines."""
-    result = functions.reshape(*NODES, -1).astype(float)
-    for axis, (known, count) in enumerate(zip(NODES, SHAPE, strict=True)):
-        spline = CubicSpline(np.linspace(0, 1, known), result, axis=axis)
-        result = spline(np.linspace(0, 1, count))
-    return result.reshape(-1, functions.shape[1]).astype(np.float32)
-
-
-def _light_weights(tables: Tables) -> np.ndarray:
-    """Weights float32 (N, T, P) of squared errors of logarithms by light, and a floor."""
-    return tables.measure * (np.exp(tables.logs) / tables.light() + np.float32(FLOOR))
-
-
-def _error_weights(
-    functions: np.ndarray, factors: np.ndarray, tables: Tables, codes: np.ndarray
-) -> np.ndarray:
-    """Weights float32 (N, T, P) by which squares equal the errors of codes (N, K)."""
-
-    def of(some: slice) -> np.ndarray:
-        own = tables.taken(some)
-        logs = _logs(functions, factors, own, codes[some])
-        slopes = code_fit.error_slopes(logs, np.exp(own.logs), own.light())[1]
-        return (own.measure * slopes).astype(np.float32)
-
-    return _in_blocks(of, len(codes))
-
-
-def _logs(
-    functions: np.ndarray, factors: np.ndarray, tables: Tables, codes: np.ndarray
-) -> np.ndarray:
-    """ln f (N, T, P) of codes (N, K)."""
-    total = np.zeros_like(tables.logs)
-    for factor, at in _blocks(factors):
-        part = (codes[:, at] @ functions[:, at].T)[:, None]
-        total += part * tables.factors[:, factor - 1] if factor else part
-    return np.minimum(total, MAX_LOG)
-
-
-def _codes(
-    functions: np.ndarray, factors: np.ndarray, tables: Tables, weights: np.ndarray
-) -> np.ndarray:
-    """Codes float32 (N, K) of least squares with weights (N, T, P)."""
-
-    def of(some: slice) -> np.ndarray:
-        own, weight = tables.taken(some), weights[some]
-        right = weight * own.logs
-        sums = functools.partial(own.summed, weight), functools.partial(own.summed, right)
-        return np.linalg.solve(
-            *_normal(functions, factors, *sums, CODE_RIDGE * weight.sum(axis=(1, 2)))
-        )[..., 0]
-
-    return _in_blocks(of, len(weights)).astype(np.float32)
-
-
 def _functions(
-    codes: np.ndarray, given: np.ndarray, factors: np.ndarray, tables: Tables, weights: np.ndarray
+    codes: np.ndarray, given: np.ndarray, which: np.ndarray, tables: Tables, weights: np.ndarray
 ) -> np.ndarray:
     """Functions float32 (P, K) of least squares at every node, the first of which are given."""
     count = given.shape[1]
@@ -347,7 +324,7 @@ def _functions(
     left = weights * (tables.logs - (codes[:, :count] @ given.T)[:, None])
     normal, right = _normal(
         codes[:, count:],
-        factors[count:],
+        which[count:],
         lambda *some: tables.summed(weights, *some).T,
         lambda some: tables.summed(left, some).T,
         RIDGE * weights.sum(axis=(0, 1)),
@@ -363,7 +340,7 @@ def _functions(
 
 def _normal(
     x: np.ndarray,
-    factors: np.ndarray,
+    which: np.ndarray,
     weight: Callable[..., np.ndarray],
     right: Callable[[int], np.ndarray],
     ridge: np.ndarray,
@@ -371,12 +348,12 @@ def _normal(
     """Normal equations (M, K, K) and (M, K, 1) of M least squares over I values.
 
     Args:
-        x: (I, K) functions without their factors (K,).
+        x: (I, K) functions without their factors `which` (K,).
         weight: (M, I) by which the squares and two factors are weighed.
         right: (M, I) weights times one factor and the values.
         ridge: (M,) what is added to the diagonals.
     """
-    blocks, count = _blocks(factors), x.shape[1]
+    blocks, count = _blocks(which), x.shape[1]
     sides = [right(factor) @ x[:, at] for factor, at in blocks]
     result = np.zeros((len(sides[0]), count, count))
     for (a, at), (b, to) in itertools.combinations_with_replacement(blocks, 2):
@@ -389,8 +366,3 @@ def _normal(
         result[:, to[:, None], at] = np.swapaxes(found, 1, 2)
     result += ridge[:, None, None] * np.eye(count)
     return result, np.concatenate(sides, axis=1)[..., None].astype(float)
-
-
-def _in_blocks(function: Callable[[slice], np.ndarray], count: int) -> np.ndarray:
-    """`function` of all slices of `BLOCK` of `count` rows, one after another."""
-    return np.concatenate([function(slice(i, i + BLOCK)) for i in range(0, count, BLOCK)])

@@ -46,12 +46,7 @@ BOTTOMS = tuple(
 )
 
 
-def whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
-    """Indices in [0.5, 3], of coats under air, or under a denser or thinner medium.
-
-    55 % are U(1.05, 2), 10 % U(2, 3), 25 % U(0.5, 0.96). In the last 10 %, |eta - 1| is log-uniform
-    in [0.004, 0.05], on either side of 1.
-    """
+def _whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
     near = np.exp(rng.uniform(np.log(0.004), np.log(0.05), shape))
     near = 1 + np.where(rng.integers(2, size=shape) == 0, -near, near)
     ranges = (1.05, 2.0), (2.0, 3.0), (0.5, 0.96)
@@ -60,11 +55,12 @@ def whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndar
 
 
 #: Indices of refraction by name: functions of a generator and a shape. "common" is the range of
-#: Table 2, "whole" all of [0.5, 3]. "low" are interfaces to a thinner medium, with total reflection
-#: from above, for evaluation.
+#: Table 2. "whole" is [0.5, 3], under air or another medium: 55 % are U(1.05, 2), 10 % U(2, 3),
+#: 25 % U(0.5, 0.96), and in the last 10 % |eta - 1| is log-uniform in [0.004, 0.05], on either side
+#: of 1. "low" are interfaces to a thinner medium, with total reflection from above, for evaluation.
 DRAW_ETA: dict[str, Callable[[np.random.Generator, int | tuple[int, ...]], np.ndarray]] = {
     "common": lambda rng, shape: rng.uniform(1.05, 2.0, shape),
-    "whole": whole_eta,
+    "whole": _whole_eta,
     "low": lambda rng, shape: rng.uniform(0.5, 0.96, shape),
 }
 
@@ -109,10 +105,6 @@ class Extended:
         alpha, eta = draw_alpha(rng, shape), DRAW_ETA[self.indices](rng, shape)
         medium = draw_medium(rng, shape)
         return StackTable(alpha, eta, *medium, self.bottom, self._draw_bottom(rng, n))
-
-    def draw(self, rng: np.random.Generator, rows: slice) -> StackTable:
-        """Stacks for some rows of a store; only the number of rows matters."""
-        return self.sample(rng, rows.stop - rows.start)
 
     def _draw_bottom(self, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
         kind = KINDS[self.bottom]

@@ -7,12 +7,10 @@ is measured at the probe pairs,
     q(d) = sum_p w_p (U_p d)^2,
 
 the mean square of the relative error of f, weighted by light. With two widths, ln s counts by the
-derivative of ln f. The loss is sqrt(e^2 + q) - e, about
-the error E of the result: stacks that are hard to predict count linearly.
+derivative of ln f. The loss is sqrt(e^2 + q) - e, about the error E of the result: stacks that are
+hard to predict count linearly.
 """
 
-import functools
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -125,12 +123,9 @@ def widened(model: Model, arch: Architecture) -> dict[str, np.ndarray]:
     return params
 
 
-def loss(
-    params: Params, arch: Architecture, batch: Layerings
-) -> tuple[jax.Array, dict[str, jax.Array]]:
-    """The loss of the module over a batch, and the terms to log."""
-    size = jnp.sqrt(KNEE**2 + squares(params, arch, batch)) - KNEE
-    return jnp.mean(size), {"loss": jnp.mean(size)}
+def loss(params: Params, arch: Architecture, batch: Layerings) -> jax.Array:
+    """The loss of the module, the mean over a batch."""
+    return jnp.mean(jnp.sqrt(KNEE**2 + squares(params, arch, batch)) - KNEE)
 
 
 def squares(params: Params, arch: Architecture, batch: Layerings) -> Any:
@@ -140,35 +135,19 @@ def squares(params: Params, arch: Architecture, batch: Layerings) -> Any:
     return (away * away).sum(axis=-1)
 
 
-def batches(found: Layerings, size: int, seed: int) -> Callable[[int, int], Layerings]:
+def batches(found: Layerings, size: int, seed: int, step: int, steps: int) -> Layerings:
     """Batches (steps, size, ...) of `steps` steps from a step on, in `shuffled` epochs."""
-    order = shuffled(len(found.code), seed)
-
-    def taken(step: int, steps: int) -> Layerings:
-        rows = order(step * size, steps * size)
-        return Layerings(*(x[rows].reshape(steps, size, *x.shape[1:]) for x in found))
-
-    return taken
+    rows = shuffled(len(found.code), seed, step * size, steps * size)
+    return Layerings(*(x[rows].reshape(steps, size, *x.shape[1:]) for x in found))
 
 
-def shuffled(size: int, seed: int) -> Callable[[int, int], np.ndarray]:
-    """An endless sequence of `size` items: every epoch has each of them once, shuffled anew.
+def shuffled(size: int, seed: int, start: int, count: int) -> np.ndarray:
+    """The items `start` to `start + count` of an endless sequence of `size` items, as indices.
 
-    The result gives the items `start` to `start + count` as indices (count,). It is pure, so that a
-    training that was interrupted continues to the same bits.
+    Every epoch has each item once, shuffled anew. A training that was interrupted so continues to
+    the same bits.
     """
-
-    @functools.lru_cache(1)
-    def order(epoch: int) -> np.ndarray:
-        seeds = np.random.SeedSequence(seed, spawn_key=(0, epoch, 0))
-        return np.random.default_rng(seeds).permutation(size)
-
-    def items(start: int, count: int) -> np.ndarray:
-        found = [np.empty(0, np.int64)]
-        while count:
-            epoch, first = divmod(start, size)
-            found.append(order(epoch)[first : first + count])
-            start, count = start + len(found[-1]), count - len(found[-1])
-        return np.concatenate(found)
-
-    return items
+    first, past = start // size, -(-(start + count) // size)
+    seeds = [np.random.SeedSequence(seed, spawn_key=(0, k, 0)) for k in range(first, past)]
+    items = np.concatenate([np.random.default_rng(x).permutation(size) for x in seeds])
+    return items[start - first * size :][:count]

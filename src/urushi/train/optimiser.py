@@ -43,10 +43,6 @@ class TrainState(NamedTuple):
     optimiser: Tree  # the state of the update rule
 
 
-Loss = Callable[[Tree, Any], tuple[jax.Array, dict[str, jax.Array]]]
-Steps = Callable[[TrainState, Any], tuple[TrainState, dict[str, jax.Array]]]
-
-
 def optimiser(schedule: Schedule) -> optax.GradientTransformation:
     """SOAP for the weight matrices, Adam (Kingma and Ba 2015) for the biases.
 
@@ -67,29 +63,31 @@ def start(params: Tree, schedule: Schedule) -> TrainState:
     return TrainState(params, {**params}, optimiser(schedule).init(params))
 
 
-def compile_steps(loss: Loss, schedule: Schedule) -> Steps:
-    """Compile a function from a state and batches to the new state and the means of the terms.
+def compile_steps(
+    loss: Callable[[Tree, Any], jax.Array], schedule: Schedule
+) -> Callable[[TrainState, Any], tuple[TrainState, jax.Array]]:
+    """Compile a function from a state and batches to the new state and the mean loss.
 
     Batches are stacked along a first axis. One call takes many steps, because the overhead of a
     call is about the cost of a small step.
 
-    loss: from the parameters and a batch to the loss and terms to log.
+    loss: of the parameters and a batch.
     """
     rule = optimiser(schedule)
 
-    def step(state: TrainState, batch: Any) -> tuple[TrainState, dict[str, jax.Array]]:
-        (_, terms), gradient = jax.value_and_grad(loss, has_aux=True)(state.params, batch)
+    def step(state: TrainState, batch: Any) -> tuple[TrainState, jax.Array]:
+        value, gradient = jax.value_and_grad(loss)(state.params, batch)
         update, inner = rule.update(gradient, state.optimiser, state.params)
         params = optax.apply_updates(state.params, update)
         average = jax.tree.map(
             lambda mean, new: mean + (1 - schedule.average) * (new - mean), state.average, params
         )
-        return TrainState(params, average, inner), terms
+        return TrainState(params, average, inner), value
 
     @jax.jit
-    def steps(state: TrainState, batches: Any) -> tuple[TrainState, dict[str, jax.Array]]:
-        state, terms = jax.lax.scan(step, state, batches)
-        return state, jax.tree.map(jnp.mean, terms)
+    def steps(state: TrainState, batches: Any) -> tuple[TrainState, jax.Array]:
+        state, losses = jax.lax.scan(step, state, batches)
+        return state, jnp.mean(losses)
 
     return steps
 
@@ -137,10 +135,13 @@ def soap(rate: optax.Schedule) -> optax.GradientTransformation:
     """
 
     def init(params: Any) -> SoapState:
-        return SoapState(jnp.zeros((), jnp.int32), jax.tree.map(_beginning, params))
+        def beginning(x: jax.Array) -> Matrix:
+            sides = (Side(jnp.zeros((n, n), x.dtype), jnp.eye(n, dtype=x.dtype)) for n in x.shape)
+            return Matrix(jnp.zeros_like(x), jnp.zeros_like(x), *sides)
 
-    def update(gradients: Any, state: SoapState, params: Any = None) -> tuple[Any, SoapState]:
-        del params
+        return SoapState(jnp.zeros((), jnp.int32), jax.tree.map(beginning, params))
+
+    def update(gradients: Any, state: SoapState, _: Any = None) -> tuple[Any, SoapState]:
         step = state.step + 1
         moved = jax.tree.map(lambda g, kept: _moved(g, kept, step), gradients, state.matrices)
         factor = -rate(state.step)
@@ -148,11 +149,6 @@ def soap(rate: optax.Schedule) -> optax.GradientTransformation:
         return updates, SoapState(step, jax.tree.map(lambda _, pair: pair[1], gradients, moved))
 
     return optax.GradientTransformation(init, update)
-
-
-def _beginning(x: jax.Array) -> Matrix:
-    left, right = (Side(jnp.zeros((n, n), x.dtype), jnp.eye(n, dtype=x.dtype)) for n in x.shape)
-    return Matrix(jnp.zeros_like(x), jnp.zeros_like(x), left, right)
 
 
 def _moved(gradient: jax.Array, kept: Matrix, step: jax.Array) -> tuple[jax.Array, Matrix]:

@@ -58,7 +58,8 @@ def fit_proposal(networks: Networks, codes: np.ndarray) -> dict[str, np.ndarray]
     """
     problem = problem_of(networks, codes[:: -(-len(codes) // MATERIALS[networks.arch.widths])])
     half = proposal.TERMS // 2
-    start = first_numbers(problem)
+    start = np.zeros((len(problem.factor) + 2, proposal.TERMS))
+    start[-2, :half] = -2.0
     slopes = jax.jit(jax.value_and_grad(variance, argnums=1))
     on_device = jax.tree.map(jnp.asarray, problem)
 
@@ -74,13 +75,6 @@ def fit_proposal(networks: Networks, codes: np.ndarray) -> dict[str, np.ndarray]
     bias = found[-2] - problem.rest[:, 0, 1:].mean(axis=0) @ weight[1:]
     parameters = {"weight": weight, "bias": bias, "overlap": np.exp(found[-1, : half - 1])}
     return {f"proposal.{name}": x.astype(np.float32) for name, x in parameters.items()}
-
-
-def first_numbers(problem: Problem) -> np.ndarray:
-    """Numbers (K + 1, `TERMS`) with which the optimisation begins, see `variance`."""
-    start = np.zeros((len(problem.factor) + 2, proposal.TERMS))
-    start[-2, : proposal.TERMS // 2] = -2.0
-    return start
 
 
 def problem_of(networks: Networks, z: np.ndarray) -> Problem:

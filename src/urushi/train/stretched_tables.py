@@ -26,6 +26,8 @@ from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.code_fit import log_stretch
 from urushi.nets.lobe_fit import fit_lobes
+from urushi.nets.mlp import Params
+from urushi.nets.networks import Architecture
 from urushi.nets.transmittance import remainder
 from urushi.train import distribution
 from urushi.train.bottoms import bottom_lobes
@@ -106,39 +108,35 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
 
     "table" is ln g at the azimuths and nodes, one after another, and "coat" has six numbers.
     """
-    rng, rows = np.random.default_rng([seed, number]), []
+    rng = np.random.default_rng([seed, number])
     stack = distribution.draw_stack(rng, SHARES_OF_TWO, most=1)
     bottom, lobe = draw_bottom(rng, stack)
-    below = Substrate.of(bottom)
-    coats = distribution.with_two_widths(rng, distribution.coats_of(stack))
-    for level, coat in enumerate([np.array(NONE, np.float32), *coats]):
-        if level:
-            lobe = lobes.of_coat(*CoatParameters.of_columns(coat)[:2])
-            own = CoatParameters.of_columns(coat.astype(float))
-            rest = functools.partial(coated_g, below, own)
-        else:
-            rest = functools.partial(_bare_rest, bottom, lobe)
+
+    def row(level: int, coat: np.ndarray, lobe: np.ndarray, rest: Any) -> dict[str, Any]:
+        """rest: from directions (N, 3) to g (N, 1)."""
         probed = rest(*probe_pairs(probes, 2)).T
         stretch = log_stretch(probed, pair_measure(probes))[0]
         pairs = (w.reshape(-1, 3) for w in nodes_of(stretch, [number, level]).pairs)
-        rows.append(
-            {
-                "table": logs(rest(*pairs)[:, 0]).astype(np.float16),
-                "probes": logs(probed[0]),
-                "stretch": stretch,
-                "lobe": lobe,
-                "stack": np.int32(number),
-                "kind": np.int32(list(distribution.SHARES).index(stack.kind)),
-                "level": np.int32(level),
-                "coat": coat,
-            }
-        )
+        return {
+            "table": logs(rest(*pairs)[:, 0]).astype(np.float16),
+            "probes": logs(probed[0]),
+            "stretch": stretch,
+            "lobe": lobe,
+            "stack": np.int32(number),
+            "kind": np.int32(list(distribution.SHARES).index(stack.kind)),
+            "level": np.int32(level),
+            "coat": coat,
+        }
+
+    def bare(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return remainder(bottom.f(wi, wo)[:, 0], lobe, wi, wo)[:, None]
+
+    rows = [row(0, np.array(NONE, np.float32), lobe, bare)]
+    for coat in distribution.with_two_widths(rng, distribution.coats_of(stack)):  # at most one
+        own = CoatParameters.of_columns(coat.astype(float))
+        top = lobes.of_coat(*CoatParameters.of_columns(coat)[:2])
+        rows.append(row(1, coat, top, functools.partial(coated_g, Substrate.of(bottom), own)))
     return rows
-
-
-def _bare_rest(bottom: Reflector, lobe: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """g float32 (N, 1) of a bottom."""
-    return remainder(bottom.f(wi, wo)[:, 0], lobe, wi, wo)[:, None]
 
 
 def logs(f: np.ndarray) -> np.ndarray:
@@ -155,7 +153,7 @@ def draw_bottom(rng: np.random.Generator, stack: StackTable) -> tuple[Reflector,
         ]
         parts = np.array([[alpha, w * r0, w, 0, 1.5, 0] for alpha, w, r0 in factors])
     else:
-        parts = bottom_lobes(stack.kind, np.array([list(known.values())]))
+        parts = bottom_lobes(stack.kind, stack.bottom)
     parts = distribution.with_two_widths(rng, parts, distribution.LEAST_WIDTH)
     white = known.get("diffuse", known.get("reflectance", 0)) / np.pi
     bottom = Reflector.of_logs(logs(np.full((*table.SHAPE, 1), white)), parts[None], np.ones(1))
@@ -165,14 +163,19 @@ def draw_bottom(rng: np.random.Generator, stack: StackTable) -> tuple[Reflector,
 
 
 def coats_over(
-    bottom: np.ndarray, model: weights.Model, count: int, seed: Sequence[int]
+    arch: Architecture, params: Params, spec: Any, task: tuple[int, np.ndarray, np.ndarray]
 ) -> dict[str, np.ndarray]:
-    """Random coats over codes (R, L): "over" (R, C, 6) and "coated" as of `tables.TableStore`."""
-    rng, pairs = np.random.default_rng(seed), model.networks.pairs()
-    over = np.stack([distribution.draw_coats_of_two(rng, count) for _ in bottom])
-    coated = np.empty((len(bottom), count, len(pairs[0])), np.float32)
+    """Random coats over codes: "over" (R, C, 6) and "coated" as of `tables.TableStore`.
+
+    spec: the `TableSpec`. task: number of the shard, "stack" (R,) and "bottom" (R, L) of its rows.
+    """
+    shard, stack, bottom = task
+    rng, model = np.random.default_rng([spec.seed, shard]), weights.Model.of(arch, params, {})
+    pairs = model.networks.pairs()
+    over = np.stack([distribution.draw_coats_of_two(rng, spec.coats) for _ in bottom])
+    coated = np.empty((len(bottom), spec.coats, len(pairs[0])), np.float32)
     for code, coats, result in zip(bottom, over, coated, strict=True):
-        below = Material(np.tile(code, (count, 1)), model)
+        below = Material(np.tile(code, (spec.coats, 1)), model)
         coat = CoatParameters.of_columns(coats.T.astype(float))
         result[:] = logs(coated_g(below, coat, *pairs)).T
-    return {"over": over, "coated": coated}
+    return {"stack": stack, "bottom": bottom, "over": over, "coated": coated}

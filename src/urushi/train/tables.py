@@ -36,13 +36,12 @@ from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
-from urushi.nets.mlp import Params
-from urushi.nets.networks import Architecture
-from urushi.parallel import one_blas_thread
+from urushi.nets.transmittance import remainder
 from urushi.train import stretched_tables, workers
 from urushi.train.basis_fit import bottom_codes
-from urushi.train.bottoms import bottom_lobes, bottom_rest
+from urushi.train.bottoms import bottom_lobes
 from urushi.train.distribution import SHARES, coats_of, draw_coats, draw_stack
+from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 
 FORMAT_VERSION = 1
@@ -97,12 +96,13 @@ class TableStore:
         """Shards that are still to be computed."""
         return [k for k in range(self.spec.shards()) if not self.file(k).exists()]
 
-    def read(self, names: Sequence[str]) -> dict[str, np.ndarray]:
+    def shard(self, shard: int, names: Sequence[str]) -> Arrays:
+        """Arrays (R, ...) of a shard by name."""
+        return files.read_tensors(self.file(shard), "tables", FORMAT_VERSION, names)[1]
+
+    def read(self, names: Sequence[str]) -> Arrays:
         """Arrays (R, ...) by name, of the rows of all shards one after another."""
-        parts = [
-            files.read_tensors(self.file(k), "tables", FORMAT_VERSION, names)[1]
-            for k in range(self.spec.shards())
-        ]
+        parts = [self.shard(k, names) for k in range(self.spec.shards())]
         return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
     def hash(self) -> str:
@@ -112,76 +112,23 @@ class TableStore:
             digest.update(self.file(shard).read_bytes())
         return digest.hexdigest()
 
+    def complete(
+        self,
+        make: Callable[[Any], Arrays],
+        tasks: Iterable[tuple[Any, ...]],
+        cluster: str | None,
+    ) -> "TableStore":
+        """Write the shards of tasks, each once and as a whole. Only this process writes.
 
-def generate(
-    spec: TableSpec,
-    path: str | os.PathLike,
-    make: Callable[[TableSpec, int], Arrays] | None = None,
-    cluster: str | None = None,
-) -> TableStore:
-    """Compute the tables of `spec` in a folder, or complete them.
-
-    make: the arrays of a shard; default `make_shard`.
-    cluster: where they are computed, see `workers.results`; default a process on every core.
-    """
-    store = opened(spec, Path(path))
-    compute = functools.partial(_on_one_thread, make or make_shard, spec)
-    return complete(store, compute, ((shard,) for shard in store.missing()), cluster)
-
-
-def complete(
-    store: TableStore,
-    compute: Callable[[tuple[Any, ...]], Arrays],
-    tasks: Iterable[tuple[Any, ...]],
-    cluster: str | None,
-) -> TableStore:
-    """Write the shards that are missing, each once and as a whole. Only this process writes.
-
-    compute: the arrays of a shard by its task. tasks: numbers of the shards, and more arguments.
-    """
-    total = len(store.missing()) * store.spec.shard
-    with tqdm(total=total, desc="tables", disable=None) as progress:
-        for (shard, *_), arrays in workers.results(compute, tasks, cluster):
-            files.write_tensors(store.file(shard), "tables", {"version": FORMAT_VERSION}, arrays)
-            progress.update(store.spec.shard)
-    return store
-
-
-def _on_one_thread(make: Callable[..., Arrays], spec: TableSpec, task: tuple[Any, ...]) -> Arrays:
-    with one_blas_thread():
-        return make(spec, *task)
-
-
-def generate_coats(
-    store: TableStore, model: weights.Model, cluster: str | None = None
-) -> TableStore:
-    """The store of further coats over the codes of a store of two widths, with "bottom" (R, L).
-
-    model: with the basis of the codes. cluster: as of `generate`.
-    """
-    coats = opened(store.spec, store.path / f"coats-{model.fingerprint}")
-
-    def below(shard: int) -> tuple[int, np.ndarray, np.ndarray]:
-        names = ("lobe", "probes", "stack")
-        held = files.read_tensors(store.file(shard), "tables", FORMAT_VERSION, names)[1]
-        return shard, held["stack"], bottom_codes(model, held)
-
-    make = functools.partial(_coats_over, model.arch, model.params)
-    compute = functools.partial(_on_one_thread, make, store.spec)
-    return complete(coats, compute, map(below, coats.missing()), cluster)
-
-
-def _coats_over(
-    arch: Architecture,
-    params: Params,
-    spec: TableSpec,
-    shard: int,
-    stack: np.ndarray,
-    bottom: np.ndarray,
-) -> Arrays:
-    model = weights.Model.of(arch, params, {})
-    coats = stretched_tables.coats_over(bottom, model, spec.coats, [spec.seed, shard])
-    return {"stack": stack, "bottom": bottom, **coats}
+        make: the arrays of a shard by its task. tasks: numbers of shards, and more arguments.
+        cluster: where they are computed, see `workers.results`.
+        """
+        total = len(self.missing()) * self.spec.shard
+        with tqdm(total=total, desc="tables", disable=None) as progress:
+            for (shard, *_), arrays in workers.results(make, tasks, cluster):
+                files.write_tensors(self.file(shard), "tables", {"version": FORMAT_VERSION}, arrays)
+                progress.update(self.spec.shard)
+        return self
 
 
 def opened(spec: TableSpec, path: Path) -> TableStore:
@@ -202,13 +149,50 @@ def opened(spec: TableSpec, path: Path) -> TableStore:
     return TableStore(path, spec)
 
 
+def generate(
+    spec: TableSpec,
+    path: str | os.PathLike,
+    make: Callable[[TableSpec, int], Arrays] | None = None,
+    cluster: str | None = None,
+) -> TableStore:
+    """Compute the tables of `spec` in a folder, or complete them.
+
+    make: the arrays of a shard; default `make_shard`.
+    cluster: where they are computed, see `workers.results`; default a process on every core.
+    """
+    store = opened(spec, Path(path))
+    compute = functools.partial(_made, make or make_shard, spec)
+    return store.complete(compute, zip(store.missing()), cluster)
+
+
+def _made(make: Callable[[TableSpec, int], Arrays], spec: TableSpec, task: tuple[int]) -> Arrays:
+    return make(spec, *task)
+
+
+def generate_coats(
+    store: TableStore, model: weights.Model, cluster: str | None = None
+) -> TableStore:
+    """The store of further coats over the codes of a store of two widths, with "bottom" (R, L).
+
+    model: with the basis of the codes. cluster: as of `generate`.
+    """
+    coats = opened(store.spec, store.path / f"coats-{model.fingerprint}")
+
+    def below(shard: int) -> tuple[int, np.ndarray, np.ndarray]:
+        held = store.shard(shard, ("lobe", "probes", "stack"))
+        return shard, held["stack"], bottom_codes(model, held)
+
+    make = functools.partial(stretched_tables.coats_over, model.arch, model.params, store.spec)
+    return coats.complete(make, map(below, coats.missing()), cluster)
+
+
 def make_shard(spec: TableSpec, shard: int) -> Arrays:
     """The arrays of a shard; they depend on the arguments alone."""
-    first, own = shard * spec.shard, levels
+    numbers = range(shard * spec.shard, min((shard + 1) * spec.shard, spec.stacks))
     if spec.widths == 2:
-        own = functools.partial(stretched_tables.levels, spec.probes)
-    numbers = range(first, min(first + spec.shard, spec.stacks))
-    rows = [row for number in numbers for row in own(spec.seed, number)]
+        rows = [r for n in numbers for r in stretched_tables.levels(spec.probes, spec.seed, n)]
+    else:
+        rows = [row for number in numbers for row in levels(spec.seed, number)]
     arrays = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
     if spec.widths == 2:
         return arrays
@@ -217,8 +201,7 @@ def make_shard(spec: TableSpec, shard: int) -> Arrays:
     arrays["coated"] = np.empty((len(rows), spec.coats, spec.probes), np.float32)
     for start in range(0, spec.coats, TOGETHER):
         place = slice(start, min(start + TOGETHER, spec.coats))
-        groups = np.array_split(rng.permutation(len(rows)), -(-len(rows) // BOTTOMS))
-        for group in groups:
+        for group in np.array_split(rng.permutation(len(rows)), -(-len(rows) // BOTTOMS)):
             over = draw_coats(rng, place.stop - place.start)
             below = _substrate(arrays["table"][group], arrays["lobe"][group])
             coats = CoatParameters(*over.T[..., None])
@@ -228,19 +211,23 @@ def make_shard(spec: TableSpec, shard: int) -> Arrays:
     return arrays
 
 
-def levels(seed: int, number: int) -> list[dict[str, Any]]:
+def levels(seed: int, number: int) -> list[Arrays]:
     """The rows of one stack without further coats, see `TableStore`."""
     stack = draw_stack(np.random.default_rng([seed, number]))
-    bottom = np.stack([stack.bottom[name] for name in KINDS[stack.kind].parameters], axis=-1)
-    lobe = bottom_lobes(stack.kind, bottom)
-    rest = bottom_rest(stack.kind, bottom, lobe, *node_pairs())
-    logs, coats = table_of_values(rest.T).reshape(1, -1), coats_of(stack)
-    rows = []
-    for level in range(stack.coats + 1):
-        coat = np.zeros(5)
-        if level:
-            coat = coats[-level]
-            lobe, logs = coated(_substrate(logs, lobe), coat)
+    lobe, pairs = bottom_lobes(stack.kind, stack.bottom), node_pairs()
+    rest = np.zeros((1, len(pairs[0])), np.float32)
+    if not KINDS[stack.kind].family.bare:
+        values = analytic.at_all(stack.kind, stack.bottom, *pairs)
+        rest = remainder(values, lobe[:, None], *pairs)
+    logs = table_of_values(rest.T).reshape(1, -1)
+    coat, rows = np.zeros(5), []
+    for level, above in enumerate([None, *coats_of(stack)[::-1]]):
+        if above is not None:
+            coat = above
+            g = coated_g(_substrate(logs, lobe), CoatParameters(*coat[:, None]), *known_pairs())
+            known = np.float32(g).reshape(*map(len, known_nodes(())), SHAPE[2])
+            logs = table_of_values(interpolated_nodes(known, ()).reshape(-1, 1)).reshape(1, -1)
+            lobe = lobes.of_coat(*coat[:2, None]).astype(np.float32)
         rows.append(
             {
                 "table": logs[0],
@@ -252,14 +239,6 @@ def levels(seed: int, number: int) -> list[dict[str, Any]]:
             }
         )
     return rows
-
-
-def coated(below: Substrate, coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Lobe (1, L) and table (1, P) of a material under a coat (5,)."""
-    g = np.float32(coated_g(below, CoatParameters(*coat[:, None]), *known_pairs()))
-    values = interpolated_nodes(g.reshape(*map(len, known_nodes(())), SHAPE[2]), ())
-    lobe = lobes.of_coat(*coat[:2, None]).astype(np.float32)
-    return lobe, table_of_values(values.reshape(-1, 1)).reshape(1, -1)
 
 
 def _substrate(tables: np.ndarray, lobe: np.ndarray) -> Substrate:

@@ -75,6 +75,10 @@ def train(
     model = untrained(preset.arch, params)
     found, stacks = layerings(model, store, cluster)
     hidden = stacks % HELD_OUT == 0
+    known, others = found.taken(~hidden), found.taken(hidden)
+    if preset.arch.widths == 2:
+        images = layering.mirrored(known, preset.arch.factors[1:])
+        known = Layerings(*map(np.concatenate, zip(known, images, strict=True)))
     beginning = layering.fresh(preset.arch, preset.seed)
     if preset.beginning:
         beginning = layering.widened(weights.shipped(preset.beginning), preset.arch)
@@ -82,17 +86,13 @@ def train(
     point = journal.restore({"layering": first}) if resume else None
     if point is None:
         journal.clear()
-        point = replace(first, seconds=time.monotonic() - began)
-    known = found.taken(~hidden)
-    if preset.arch.widths == 2:
-        images = layering.mirrored(known, preset.arch.factors[1:])
-        known = Layerings(*map(np.concatenate, zip(known, images, strict=True)))
-    point = advance(point, preset, known, found.taken(hidden), journal)
-    params |= {name: np.asarray(value) for name, value in point.state.average.items()}
-    began = time.monotonic()
-    params |= fit_proposal(model.networks, codes)
-    metrics |= measure(point.state.average, preset, found.taken(hidden))
-    seconds = point.seconds + time.monotonic() - began
+        point = first
+    else:
+        began = time.monotonic() - point.seconds  # as if earlier runs had been a part of this one
+    average = learn(point, preset, known, others, journal, began)
+    params |= average | fit_proposal(model.networks, codes)
+    metrics |= measure(average, preset, others)
+    seconds = time.monotonic() - began
     return weights.save(out, preset.arch, params, header(journal, metrics, seconds))
 
 
@@ -126,8 +126,9 @@ def fitted_basis(
     basis = untrained(arch, params).networks.basis
     codes = solve_codes(basis, rest, passed)
     others = hidden & (level > 0)
-    errors = basis_fit.errors(
-        functions, factors, every.taken(np.flatnonzero(others)), codes[others, : arch.functions]
+    unseen = every.taken(np.flatnonzero(others))
+    errors = unseen.errors(
+        unseen.at_nodes(functions)[:, 1:], factors, codes[others, : len(factors)]
     )
     known_codes = np.concatenate([lobe, codes], axis=1)[~hidden]
     return params, known_codes.astype(np.float32), _figures("E of codes", errors)
@@ -223,28 +224,33 @@ def header(journal: Journal, metrics: dict[str, float], seconds: float) -> dict[
     }
 
 
-def advance(
-    point: Checkpoint, preset: Preset, known: Layerings, hidden: Layerings, journal: Journal
-) -> Checkpoint:
-    """Take the remaining steps of the layering network, with log lines and checkpoints.
+def learn(
+    point: Checkpoint,
+    preset: Preset,
+    known: Layerings,
+    hidden: Layerings,
+    journal: Journal,
+    began: float,
+) -> dict[str, np.ndarray]:
+    """The parameters "layerer.*" after the remaining steps, with log lines and checkpoints.
 
-    known: examples to learn from. hidden: others, whose errors are logged.
+    known: examples to learn from. hidden: others, whose errors are logged. began: on the monotonic
+    clock [s].
     """
-    schedule, arch = preset.schedule, preset.arch
+    schedule, arch, state = preset.schedule, preset.arch, point.state
     steps = compile_steps(lambda params, batch: layering.loss(params, arch, batch), schedule)
-    draw = layering.batches(known, preset.batch, preset.seed)
-    state, clock, spent = point.state, time.monotonic(), point.seconds
     bar = tqdm(total=schedule.steps, initial=point.step, desc=point.stage, disable=None)
     with bar:
         for step in range(point.step, schedule.steps, schedule.steps_per_call):
-            state, terms = steps(state, draw(step, schedule.steps_per_call))
+            batches = layering.batches(
+                known, preset.batch, preset.seed, step, schedule.steps_per_call
+            )
+            state, loss = steps(state, batches)
             done = step + schedule.steps_per_call
             bar.update(schedule.steps_per_call)
             if done % schedule.checkpoint_every == 0 or done == schedule.steps:
-                figures = {name: float(x) for name, x in terms.items()}
-                figures |= measure(state.average, preset, hidden)
-                seconds = spent + time.monotonic() - clock
-                point = replace(point, step=done, seconds=seconds, state=state)
+                figures = {"loss": float(loss), **measure(state.average, preset, hidden)}
                 bar.set_postfix({name: f"{value:.4f}" for name, value in figures.items()})
-                journal.save(point, figures)
-    return replace(point, seconds=spent + time.monotonic() - clock)
+                seconds = time.monotonic() - began
+                journal.save(replace(point, step=done, seconds=seconds, state=state), figures)
+    return {name: np.asarray(value) for name, value in state.average.items()}

@@ -9,12 +9,13 @@ import contextlib
 import functools
 import itertools
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from importlib.metadata import version
 from multiprocessing import get_context
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from urushi.errors import ParameterError, PlatformError
+from urushi.parallel import one_blas_thread
 from urushi.platform import available_cores, require_extra
 
 #: Tasks of each worker that wait or run: the next one is there when a worker has ended one.
@@ -42,7 +43,7 @@ def results(
     memory holds a few of them only. Stopping the iteration cancels the tasks that are left.
 
     Args:
-        make: a function that processes can import, or a partial of one.
+        make: a function that processes can import, or a partial of one; it runs on one core.
         tasks: its arguments.
         cluster: the address of a scheduler of Dask, such as "tcp://node:8786", or "local:N": a
             cluster of N processes on this machine. None: processes without a cluster.
@@ -53,13 +54,14 @@ def results(
         PlatformError: the scheduler does not answer, or a worker has other versions of Urushi,
             NumPy or Dr.Jit, which might compute other bytes.
     """
+    compute = functools.partial(computed, make, versions())
     if cluster is None and processes == 1:
-        yield from ((task, make(task)) for task in tasks)
+        yield from ((task, compute(task)) for task in tasks)
         return
     left = iter(tasks)
-    compute = functools.partial(checked, make, versions())
-    with executor(cluster, processes) as (pool, workers):
-        running: dict[Any, Task] = {}
+    running: dict[Future, Task] = {}
+    with contextlib.ExitStack() as stack:
+        pool, workers = _pool(stack, cluster, processes)
         while True:
             for task in itertools.islice(left, max(DEPTH * workers() - len(running), 0)):
                 running[pool.submit(compute, task)] = task
@@ -74,7 +76,7 @@ def versions() -> dict[str, str]:
     return {name: version(name) for name in PACKAGES}
 
 
-def checked(make: Callable[[Task], Result], expected: dict[str, str], task: Task) -> Result:
+def computed(make: Callable[[Task], Result], expected: dict[str, str], task: Task) -> Result:
     """make(task), in a process with the expected versions."""
     for name, found in versions().items():
         if found != expected[name]:
@@ -82,60 +84,48 @@ def checked(make: Callable[[Task], Result], expected: dict[str, str], task: Task
                 f"a worker has {name} {found}, and this process has {expected[name]}, which may "
                 "compute other data; install the same version everywhere"
             )
-    return make(task)
+    with one_blas_thread():
+        return make(task)
 
 
-@contextlib.contextmanager
-def executor(
-    cluster: str | None, processes: int | None = None
-) -> Iterator[tuple[Executor, Callable[[], int]]]:
-    """What computes tasks, and the present number of its workers; the arguments are of `results`.
+def _pool(
+    stack: contextlib.ExitStack, cluster: str | None, processes: int | None
+) -> tuple[Executor, Callable[[], int]]:
+    """What computes tasks until the stack ends, and the present number of its workers.
 
-    What has not begun when the context ends is cancelled.
+    What has not begun by then is cancelled.
     """
     if cluster is None:
         count = processes or available_cores()
-        pool = ProcessPoolExecutor(count, get_context("spawn"))
-        try:
-            yield pool, lambda: count
-        finally:
-            pool.shutdown(cancel_futures=True)
-        return
+        pool: Executor = ProcessPoolExecutor(count, get_context("spawn"))
+        stack.callback(pool.shutdown, cancel_futures=True)
+        return pool, lambda: count
     require_extra("cluster")
     import distributed
 
-    with contextlib.ExitStack() as stack:
-        address = cluster
-        if cluster.startswith("local:"):
-            local = distributed.LocalCluster(
-                n_workers=_count(cluster), threads_per_worker=1, dashboard_address=None
-            )
-            address = stack.enter_context(local).scheduler_address
-        try:
-            client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-        except ValueError as error:
+    address, (kind, _, number) = cluster, cluster.partition(":")
+    if kind == "local":
+        if not number.isdecimal() or int(number) < 1:
             raise ParameterError(
-                f"the cluster '{cluster}' has no known form; give local:N or an address such as "
-                "tcp://node:8786"
-            ) from error
-        except OSError as error:
-            raise PlatformError(
-                f"no scheduler of Dask answers at '{cluster}'; start one with `dask scheduler` and "
-                "workers with `dask worker`, or correct the address"
-            ) from error
-        pool = stack.enter_context(client).get_executor(pure=False)
-        # A cluster without workers may be about to get some.
-        workers = lambda: max(sum(client.nthreads().values()), 1)  # noqa: E731
-        try:
-            yield pool, workers
-        finally:
-            pool.shutdown(wait=False)
-
-
-def _count(cluster: str) -> int:
-    number = cluster.removeprefix("local:")
-    if not number.isdecimal() or int(number) < 1:
-        raise ParameterError(
-            f"'{cluster}' has no number of processes; give a positive one, such as local:4"
+                f"'{cluster}' has no number of processes; give a positive one, such as local:4"
+            )
+        local = distributed.LocalCluster(
+            n_workers=int(number), threads_per_worker=1, dashboard_address=None
         )
-    return int(number)
+        address = stack.enter_context(local).scheduler_address
+    try:
+        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
+    except ValueError as error:
+        raise ParameterError(
+            f"the cluster '{cluster}' has no known form; give local:N or an address such as "
+            "tcp://node:8786"
+        ) from error
+    except OSError as error:
+        raise PlatformError(
+            f"no scheduler of Dask answers at '{cluster}'; start one with `dask scheduler` and "
+            "workers with `dask worker`, or correct the address"
+        ) from error
+    pool = stack.enter_context(client).get_executor(pure=False)
+    stack.callback(pool.shutdown, wait=False)
+    # A cluster without workers may be about to get some.
+    return pool, lambda: max(sum(client.nthreads().values()), 1)
