@@ -71,8 +71,14 @@ class Wgsl(Printer):
     title = "WGSL"
     usage = "Put this file before the code that uses it: WGSL has no includes."
     kinds = kinds("vec2f", "vec3f", "vec4f", "f32", "i32")
-    field_end, structure_end = ",", "}"
+    structure_end = "}"
     forms = Printer.forms | {
+        "variable": "{name}: {kind}",
+        "array": "{name}: array<{kind}, {count}>",
+        "function": "fn {name}({arguments}) -> {kind} {{",
+        "field": "{},",
+        "let": "let {name} = {value};",
+        "empty": "var {};",
         "select": "select({2}, {1}, {0})",
         "splat": "vec3f({})",
         TEXTURE: "{}: texture_3d<f32>, filtering: sampler",
@@ -80,25 +86,6 @@ class Wgsl(Printer):
         LAYERS: "{}: texture_2d_array<f32>, filtering: sampler",
         "layer": "textureSampleLevel({}, filtering, vec2f({}, {}), {}, 0.0)",
     }
-
-    def declared(self, variable: Variable) -> str:
-        if variable.kind in (TEXTURE, LAYERS):
-            return super().declared(variable)
-        kind = self.kind(variable.kind)
-        if variable.count is not None:
-            kind = f"array<{kind}, {variable.count}>"
-        return f"{variable.name}: {kind}"
-
-    def signature(self, function: Function) -> str:
-        arguments = ", ".join(map(self.declared, function.arguments))
-        name = self.function_name(function.name)
-        return f"fn {name}({arguments}) -> {self.kind(function.kind)} {{"
-
-    def let(self, variable: Variable, value: str) -> str:
-        return f"let {variable.name} = {value};"
-
-    def empty(self, variable: Variable) -> str:
-        return f"var {self.declared(variable)};"
 
 
 #: Functions that have the same names in NumPy.
@@ -137,6 +124,7 @@ class Python(Printer):
     components, rgb = tuple(f"[..., {i}:{i + 1}]" for i in range(4)), "[..., :3]"
     end = ""
     forms = Printer.forms | {
+        "let": "{name} = {value}",
         "select": "np.where({}, {}, {})",
         "splat": "({}) * np.ones(3, np.float32)",
         "texel": "_texel({}, {})",
@@ -191,9 +179,6 @@ class Python(Printer):
         head, _, value = code.partition(mark)
         inner = indent + "    "
         return [f"{indent}{head}{mark}(", *broken(value, inner, inner), f"{indent})"]
-
-    def let(self, variable: Variable, value: str) -> str:
-        return f"{variable.name} = {value}"
 
     def empty(self, variable: Variable) -> str:
         if variable.count is not None:

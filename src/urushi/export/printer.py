@@ -34,17 +34,25 @@ class Printer:
     title: ClassVar[str]  # the language's name in prose
     usage: ClassVar[str]  # sentences at the head of the file on how to include it
     comment: ClassVar[str] = "//"  # begins a comment
-    kinds: ClassVar[Mapping[str, str]]  # the language's names of the kinds of values
+    kinds: ClassVar[Mapping[str, str]] = {}  # the language's names of the kinds of values
     calls: ClassVar[Mapping[str, str]] = {}  # names of functions that differ from `expressions`
     components: ClassVar[Sequence[str]] = (".x", ".y", ".z", ".w")  # of a vector, colour or texel
     rgb: ClassVar[str] = ".rgb"  # the first three of a texel
-    field_end: ClassVar[str] = ";"  # ends a field of a structure
     structure_end: ClassVar[str] = "};"
     end: ClassVar[str] = ";"  # ends a statement
-    # How operations of `expressions` are written, by their operands: "select", "splat", "texel" and
-    # "layer"; and how textures of its kinds are declared, by their names. Without "layers", the
-    # language reads none.
-    forms: ClassVar[dict[str, str]] = {"select": "({} ? {} : {})"}
+    # How declarations are written: of variables and arrays, and of textures by their kinds (without
+    # "layers", the language reads none); the head of a function, a field of a structure, a constant
+    # and a variable without a value. How operations of `expressions` are, by their operands:
+    # "select", "splat", "texel" and "layer".
+    forms: ClassVar[dict[str, str]] = {
+        "variable": "{kind} {name}",
+        "array": "{kind} {name}[{count}]",
+        "function": "{kind} {name}({arguments}) {{",
+        "field": "{};",
+        "let": "{declared} = {value};",
+        "empty": "{};",
+        "select": "({} ? {} : {})",
+    }
     form: ClassVar[TextureForm] = TextureForm()  # of textures
 
     def __init__(self, prefix: str):
@@ -84,18 +92,19 @@ class Printer:
     # Declarations
 
     def declared(self, variable: Variable) -> str:
-        """A type and a name, as in C."""
+        """A type and a name."""
         if variable.kind in (TEXTURE, LAYERS):
             return self.forms[variable.kind].format(variable.name)
-        count = "" if variable.count is None else f"[{variable.count}]"
-        return f"{self.kind(variable.kind)} {variable.name}{count}"
+        form = self.forms["variable" if variable.count is None else "array"]
+        kind = self.kind(variable.kind)
+        return form.format(kind=kind, name=variable.name, count=variable.count)
 
     def structure(self, structure: Structure) -> list[str]:
         lines = self.comments(structure.note)
         lines.append(f"struct {self.structure_name(structure.name)} {{")
         for variable in structure.fields:
             note = f"  {self.comment} {variable.note}" if variable.note else ""
-            lines.append(f"    {self.declared(variable)}{self.field_end}{note}")
+            lines.append(f"    {self.forms['field'].format(self.declared(variable))}{note}")
         return [*lines, self.structure_end]
 
     def function(self, function: Function) -> list[str]:
@@ -104,7 +113,8 @@ class Printer:
 
     def signature(self, function: Function) -> str:
         arguments = ", ".join(map(self.declared, function.arguments))
-        return f"{self.kind(function.kind)} {self.function_name(function.name)}({arguments}) {{"
+        kind, name = self.kind(function.kind), self.function_name(function.name)
+        return self.forms["function"].format(kind=kind, name=name, arguments=arguments)
 
     # Statements
 
@@ -139,11 +149,12 @@ class Printer:
         return broken(code, indent, indent + "    ")
 
     def let(self, variable: Variable, value: str) -> str:
-        return f"{self.declared(variable)} = {value};"
+        declared = self.declared(variable)
+        return self.forms["let"].format(declared=declared, name=variable.name, value=value)
 
     def empty(self, variable: Variable) -> str:
         """An array or a structure without values."""
-        return f"{self.declared(variable)};"
+        return self.forms["empty"].format(self.declared(variable))
 
     # Expressions
 

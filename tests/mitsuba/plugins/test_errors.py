@@ -91,28 +91,33 @@ def test_a_texture_out_of_range(rgb, networks, name):
         load(rgb, networks, name, albedo=strip(0.5, 1.25, 0.5))
 
 
-def test_a_bottom_that_is_not_a_brdf(rgb, networks):
-    negative = bottom(reflectance={"type": "uniform", "value": -1.0})
-    with pytest.raises(RuntimeError, match="the nested BSDF returns a negative or non-finite"):
-        load(rgb, networks, "neural_layered", base=negative)
+CODES, MEASURED = {"type": "neural_brdf"}, {"type": "measured_brdf"}
+COAT = {"type": "neural_layered", "base": bottom()}
+SIDES = "; give texels per side, at most 8192"
 
 
-@pytest.mark.parametrize("resolution", (-1, 1_000_000, 2.5, "fine"))
-def test_bad_resolution(rgb, networks, resolution):
-    sentence = f"resolution is {resolution}; give texels per side, at most 8192"
+@pytest.mark.parametrize(
+    ("description", "sentence"),
+    [
+        (
+            COAT | {"base": bottom(reflectance={"type": "uniform", "value": -1.0})},
+            "the nested BSDF returns a negative or non-finite",
+        ),
+        (COAT | {"resolution": -1}, "resolution is -1" + SIDES),
+        (COAT | {"resolution": 1_000_000}, "resolution is 1000000" + SIDES),
+        (COAT | {"resolution": 2.5}, "resolution is 2.5" + SIDES),
+        (COAT | {"resolution": "fine"}, "resolution is fine" + SIDES),
+        (COAT | {"weights": "none.safetensors"}, "FileError.*none.safetensors"),
+        (CODES, "neural_brdf has no filename"),
+        (CODES | {"filename": 3}, "neural_brdf: filename is 3; give the path of a file"),
+        (CODES | {"filename": "nowhere.safetensors"}, "FileError.*nowhere.safetensors"),
+        (MEASURED, "measured_brdf has no filename; give a MERL or RGL"),
+        (MEASURED | {"filename": "none.binary"}, "there is no file"),
+    ],
+)
+def test_mistakes_of_one_plugin(rgb, description, sentence):
     with pytest.raises(RuntimeError, match=sentence):
-        load(rgb, networks, "neural_layered", resolution=resolution)
-
-
-def test_missing_files(rgb, networks):
-    with pytest.raises(RuntimeError, match="neural_brdf has no filename"):
-        rgb.load_dict({"type": "neural_brdf"})
-    with pytest.raises(RuntimeError, match="neural_brdf: filename is 3; give the path of a file"):
-        rgb.load_dict({"type": "neural_brdf", "filename": 3})
-    with pytest.raises(RuntimeError, match="FileError.*nowhere.safetensors"):
-        rgb.load_dict({"type": "neural_brdf", "filename": "nowhere.safetensors"})
-    with pytest.raises(RuntimeError, match="FileError.*none.safetensors"):
-        load(rgb, networks, "neural_layered", weights="none.safetensors")
+        rgb.load_dict(description)
 
 
 def strangers(mi) -> dict[str, dict]:

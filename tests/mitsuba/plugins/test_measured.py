@@ -103,10 +103,3 @@ def test_colours_of_a_file_are_the_same_in_spectral_variants(spectral, ggx_file,
     f = f_at(spectral, spectral.load_dict({"type": plugin, "filename": path}), wi, wo, nm)
     found = f @ srgb_weights(nm)
     np.testing.assert_allclose(found.mean(axis=0), expected.mean(axis=0), rtol=2e-3, atol=1e-4)
-
-
-def test_errors_name_mistakes(rgb, tmp_path):
-    with pytest.raises(RuntimeError, match="measured_brdf has no filename; give a MERL or RGL"):
-        rgb.load_dict({"type": "measured_brdf"})
-    with pytest.raises(RuntimeError, match="there is no file"):
-        rgb.load_dict({"type": "measured_brdf", "filename": str(tmp_path / "none.binary")})

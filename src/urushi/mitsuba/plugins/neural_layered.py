@@ -106,31 +106,23 @@ class NeuralLayered(Coated, EncodedSurface):
     def known(self):
         return KnownSurface(self.latents, rotated=self._coat.has_rotation)
 
-    def _choose_weights(self):
-        """Choose the weights for the present coat and bottom."""
+    def _prepare(self):
         check_rotation(self._nested, self._coat.where)
         model = self._weights
         if model is None:
             anisotropic = self._coat.is_anisotropic or has_two_widths(self._below)
             model = anisotropic_model() if anisotropic else default_model()
         if self._baker is None or self.model.fingerprint != model.fingerprint:
-            self.model = model
-            self._baker = Baker(model, self._resolution)
-
-    def _prepare(self):
-        self._choose_weights()
-        assert self._baker is not None  # for the type checker
+            self.model, self._baker = model, Baker(model, self._resolution)
         with dr.suspend_grad():
-            layer = Layer(self._coat, self._nested, self._below)
-            self.latents = self._baker.update(layer)
+            self.latents = self._baker.update(Layer(self._coat, self._nested, self._below))
+            if self._coat.compensated:
+                self._compensation = Compensation(self._coat, self._below)
         self._absorbs = self._baker.absorbs
         # Kernels of Mitsuba's textures have their transforms as literals: see `recording`.
         nodes = map(mi.traverse, (*self._coat.textures.values(), self._nested))
         places = [value for node in nodes for key, value in node if key.endswith("to_uv")]
         self._places = [tuple(np.ravel(place.matrix.numpy()).tolist()) for place in places]
-        if self._coat.compensated:
-            with dr.suspend_grad():
-                self._compensation = Compensation(self._coat, self._below)
 
     def save(self, path):
         """Write the codes to a file that ``neural_brdf`` loads, textured or not.

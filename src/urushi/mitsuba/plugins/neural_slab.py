@@ -1,5 +1,7 @@
 """The plugin `neural_layered` over what transmits light: a slab by tables, without noise."""
 
+from typing import Any
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -78,12 +80,12 @@ class NeuralSlab(CoatedSurface):
 
     def _tabulate(self):
         """Compute the tables."""
-        reason = None
-        coats, lowest = self.coats, self.lowest
-        if any(x.is_anisotropic for x in (*coats, lowest) if x) or any(x.coloured for x in coats):
+        reason, coats = None, self.coats
+        layers: list[Any] = [*coats] if self.lowest is None else [*coats, self.lowest]
+        if any(x.is_anisotropic for x in layers) or any(x.coloured for x in coats):
             reason = "a slab has a table for one width of each interface"
-        for layer in (*coats, lowest):
-            for name, texture in () if layer is None else layer.textures.items():
+        for layer in layers:
+            for name, texture in layer.textures.items():
                 if varies(texture):
                     reason = f"{name} is a texture, but the tables of a slab are of constants"
         if reason is not None:
