@@ -7,6 +7,7 @@ from fan2022 import Material, PaperNetworks, architecture, load
 from fan2022.architecture import PaperArchitecture, init
 from fan2022.inference import proxy
 from tests import mixtures
+from tests.directions import pairs_above
 
 import urushi
 from urushi.errors import ParameterError, UrushiWarning
@@ -50,9 +51,7 @@ def test_proposals_agree_with_numpy(rgb, paper):
     np.testing.assert_allclose(ours.sigma.numpy(), expected.sigma, rtol=1e-3)
     np.testing.assert_allclose(ours.share.numpy(), expected.share, rtol=1e-3)
 
-    w = np.random.default_rng(8).normal(size=(2, 50, 3))
-    w[..., 2] = np.abs(w[..., 2])
-    wi, wo = (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
+    wi, wo = pairs_above(50, 8)
     u = np.random.default_rng(9).random((50, 3)).astype(np.float32)
     mixture = GaussianMixture(rgb.Float(expected.sigma), rgb.Float(expected.share))
     vi, vo = (rgb.Vector3f(np.ascontiguousarray(v.T)) for v in (wi, wo))
@@ -127,9 +126,7 @@ def values(mi, bsdf, uv, wi, wo):
 
 @pytest.fixture
 def pairs():
-    w = np.random.default_rng(1).normal(size=(2, 16, 3))
-    w[..., 2] = 0.1 + np.abs(w[..., 2])
-    return (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
+    return pairs_above(16, 1, 0.1)
 
 
 def test_a_constant_coat_is_that_of_the_functions(rgb, paper, tmp_path, pairs):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.directions import pairs_above
 from tests.oracles import adding_doubling
 from tests.oracles.adding_doubling import layers
 from tests.oracles.adding_doubling.quadrature import CosineGrid
@@ -9,14 +10,6 @@ from tests.oracles.adding_doubling.quadrature import CosineGrid
 from urushi.walk import coat, conductor, dielectric, diffuse, simulate
 
 pytestmark = pytest.mark.slow  # of an oracle of the tests alone
-
-
-def directions(count: int, seed: int) -> np.ndarray:
-    """Cosine-distributed unit vectors with cosines above 0.05."""
-    rng = np.random.default_rng(seed)
-    u, v = 0.0025 + 0.9975 * rng.random(count), 2 * np.pi * rng.random(count)
-    sin = np.sqrt(1 - u)
-    return np.stack([sin * np.cos(v), sin * np.sin(v), np.sqrt(u)], axis=1)
 
 
 STACKS = {
@@ -48,7 +41,7 @@ def test_half_space_is_chandrasekhars(albedo: float) -> None:
 
 
 def test_converges_with_nodes_and_modes() -> None:
-    wi, wo = directions(60, 3), directions(60, 4)
+    wi, wo = pairs_above(60, 3, 0.05)
     stack = coat(conductor(0.15, 0.9), 0.15, 1.5, 0.95, 1.0, g=0.5)
     best = adding_doubling.solve(stack, wi, wo, nodes=64, modes=64)[:, 0]
     error = [
@@ -62,7 +55,7 @@ def test_converges_with_nodes_and_modes() -> None:
 
 @pytest.mark.parametrize("name", STACKS)
 def test_walk_agrees(name: str) -> None:
-    wi, wo = directions(120, 7), directions(120, 8)
+    wi, wo = pairs_above(120, 7, 0.05)
     f = adding_doubling.solve(STACKS[name], wi, wo, nodes=32, modes=32)
     walked, se = simulate(STACKS[name], wi, wo, walks=8_000, seed=9)
     z = (walked - f) / np.hypot(se, 0.002 * f)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import drjit as dr
 import numpy as np
 import pytest
+from tests.directions import pairs_above
 
 from urushi.app.describe import describe
 from urushi.core import microfacet
@@ -108,11 +109,7 @@ def test_beckmann_lobe_is_mitsubas(variant):
     bsdf = mi.load_dict(
         {"type": "roughconductor", "material": "none", "alpha": 0.3, "distribution": "beckmann"}
     )
-    rng = np.random.default_rng(5)
-    z = rng.uniform(0.05, 1, (2, 1000))
-    phi = rng.uniform(0, 2 * np.pi, (2, 1000))
-    r = np.sqrt(1 - z * z)
-    wi, wo = (mi.Vector3f(r[i] * np.cos(phi[i]), r[i] * np.sin(phi[i]), z[i]) for i in (0, 1))
+    wi, wo = (mi.Vector3f(np.ascontiguousarray(w.T)) for w in pairs_above(1000, 5, 0.05))
     si = dr.zeros(mi.SurfaceInteraction3f, 1000)
     si.wi = wi
     theirs = bsdf.eval(mi.BSDFContext(), si, wo)[0].numpy()

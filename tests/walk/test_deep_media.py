@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.directions import pairs_above
 from tests.oracles import adding_doubling
 from tests.oracles.adding_doubling import layers
 from tests.oracles.adding_doubling.quadrature import CosineGrid
@@ -62,10 +63,7 @@ def test_only_deep_lossless_media_have_a_diffuser():
 )
 def test_walks_through_deep_media_end_at_the_right_value(bottom, sigma_t, g):
     """The solver's own error at 1e4 is 0.1 %."""
-    rng = np.random.default_rng(1)
-    cos, phi = rng.uniform(0.3, 1, (2, 8)), rng.uniform(0, 2 * np.pi, (2, 8))
-    sin = np.sqrt(1 - cos**2)
-    wi, wo = np.stack([sin * np.cos(phi), sin * np.sin(phi), cos], axis=-1)
+    wi, wo = pairs_above(8, 1, 0.3)
     stack = coat(bottom, 0.3, 1.5, albedo=1, sigma_t=sigma_t, g=g)
     f, se = (x[:, 0] for x in simulate(stack, wi, wo, walks=1 << 11, seed=1, progress=False))
     expected = adding_doubling.solve(stack, wi, wo, nodes=20, modes=20)[:, 0]

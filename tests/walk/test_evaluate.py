@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.directions import pairs_above
 from tests.oracles.adding_doubling import surfaces
 
 from urushi.walk import conductor, dielectric, diffuse
@@ -15,16 +16,9 @@ DESCRIPTIONS = {
 }
 
 
-def hemisphere(count: int, seed: int) -> np.ndarray:
-    """Unit vectors (count, 3) above the horizon."""
-    v = np.random.default_rng(seed).normal(size=(count, 3))
-    v[:, 2] = np.abs(v[:, 2]) + 0.05
-    return v / np.linalg.norm(v, axis=1, keepdims=True)
-
-
 @pytest.mark.parametrize("alpha", [0.05, 0.5, 1.0])
 def test_conductors_follow_the_closed_form(alpha: float) -> None:
-    wi, wo = hemisphere(500, 0), hemisphere(500, 1)
+    wi, wo = pairs_above(500, 0, 0.05)
     for description, kernel in (
         (conductor(alpha, 0.3), surfaces.conductor_schlick(alpha, 0.3)),
         (conductor(alpha, eta=0.9, k=2.4), surfaces.conductor_complex(alpha, 0.9, 2.4)),
@@ -34,13 +28,13 @@ def test_conductors_follow_the_closed_form(alpha: float) -> None:
 
 
 def test_diffuse_is_constant() -> None:
-    value = f(diffuse((0.1, 0.5, 1.0)), hemisphere(10, 4), hemisphere(10, 5))
+    value = f(diffuse((0.1, 0.5, 1.0)), *pairs_above(10, 4))
     np.testing.assert_allclose(value, np.broadcast_to([0.1, 0.5, 1.0], (10, 3)) / np.pi, rtol=1e-6)
 
 
 @pytest.mark.parametrize("description", DESCRIPTIONS.values(), ids=DESCRIPTIONS.keys())
 def test_surfaces_are_reciprocal_and_dark_below_the_horizon(description) -> None:
-    wi, wo = hemisphere(500, 6), hemisphere(500, 7)
+    wi, wo = pairs_above(500, 6, 0.05)
     there, back = f(description, wi, wo), f(description, wo, wi)
     assert there.dtype == np.float32
     assert there.shape == (500, 3)
