@@ -5,7 +5,6 @@ Importing this package chooses a libLLVM that Dr.Jit can use and registers the M
 else is loaded when it is first used.
 """
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urushi import platform
@@ -52,7 +51,7 @@ if not TYPE_CHECKING:  # to a type checker, a module with __getattr__ has every 
 
     def __getattr__(name: str) -> Any:
         """Load the public names when one of them is first used: they start Dr.Jit."""
-        if not (name in __all__ and name != "__version__") and not _is_bottom(name):
+        if name not in __all__:
             raise AttributeError(f"module 'urushi' has no attribute '{name}'")
         platform.require_drjit()
         from urushi.app.notebook import show
@@ -60,21 +59,14 @@ if not TYPE_CHECKING:  # to a type checker, a module with __getattr__ has every 
         from urushi.measured import load_measured, pigment
         from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
         from urushi.openpbr_surface.plugins.materialx import load_materialx
-        from urushi.walk import Stack, bottoms, coat, simulate, slab
+        from urushi.walk import Stack, coat, conductor, dielectric, diffuse, simulate, slab
 
         Material._repr_png_ = _picture  # type: ignore[attr-defined]
         public = (Material, encode, layer, lerp, load, load_measured, pigment, simulate)
-        described = (Stack, coat, slab, *bottoms.MAKERS.values())
+        described = (Stack, coat, conductor, dielectric, diffuse, slab)
         documents = (load_materialx, save_materialx, OpenPBR, openpbr, show)
         globals().update({value.__name__: value for value in (*public, *described, *documents)})
-        if name not in globals():
-            raise AttributeError(f"module 'urushi' has no attribute '{name}'")
         return globals()[name]
-
-
-def _is_bottom(name: str) -> bool:
-    """Whether a file of `walk.bottoms` may define this function, without starting Dr.Jit."""
-    return Path(__file__).with_name("walk").joinpath("bottoms", f"{name}.py").is_file()
 
 
 def _picture(material: "Material") -> bytes | None:

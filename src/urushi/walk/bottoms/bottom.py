@@ -136,7 +136,7 @@ MAKERS: dict[str, Any] = {}
 
 
 def maker(function: Any) -> Any:
-    """Register a function that makes a description; `urushi` offers it under its name."""
+    """Register a function that makes a description; descriptions in text call it."""
     MAKERS[function.__name__] = function
     return function
 
