@@ -13,14 +13,16 @@ from fan2022.architecture import PaperArchitecture
 from fan2022.preset import PaperPreset
 from urushi import files, platform
 from urushi.app import cli, render
+from urushi.app.train import Training
 from urushi.ranges import Pairs, Share
 
 
 @dataclass(frozen=True)
-class Train:
+class Train(Training):
     """Train the three networks as the paper does. Missing training data are computed first.
 
-    A run that was interrupted continues with --resume and ends in the same weights.
+    A run that was interrupted continues with --resume and ends in the same weights. PRESET is
+    paper.
 
     Example: python -m fan2022 train --scale 4e-5
     """
@@ -30,34 +32,12 @@ class Train:
     two cores."""
     projection_pairs: Pairs = 16
     """Direction pairs in each of the 1,000 steps of a projection. The authors' number is 4096."""
-    data: Path | None = None
-    """Folder of training data. Default: runs/paper/data."""
-    run_folder: Path | None = None
-    """Folder for checkpoints and log. Default: runs/paper."""
-    output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Weights file to write (.safetensors). Default: weights.safetensors in the run folder."""
-    resume: bool = False
-    """Continue from the checkpoint in the run folder."""
-    cluster: str | None = None
-    """Who computes missing training data, as for `urushi train`."""
 
-    def run(self) -> int:
-        platform.require_extra("train")
+    def trained(self, **options: Any) -> PaperNetworks:
         from fan2022.training import train
 
         preset = PaperPreset(self.scale, PaperArchitecture(pairs=self.projection_pairs))
-        networks = train(
-            preset,
-            data=self.data,
-            out=self.output,
-            run=self.run_folder,
-            resume=self.resume,
-            cluster=self.cluster,
-        )
-        for name, value in networks.header["metrics"].items():
-            print(f"{name}  {value:.4g}")
-        print(f"fingerprint  {networks.fingerprint}")
-        return 0
+        return train(preset, **options)
 
 
 @dataclass(frozen=True)

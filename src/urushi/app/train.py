@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
@@ -10,17 +10,9 @@ from urushi import platform
 
 
 @dataclass(frozen=True)
-class Train:
-    """Train by a preset: basis and layering network. Missing training data are computed first.
+class Training:
+    """The options of all trainings, and what they print."""
 
-    A run that was interrupted continues with --resume and ends in the same weights.
-
-    Example: urushi train --preset default
-    """
-
-    preset: str = "default"
-    """Name of the preset: default, anisotropic (two GGX widths), or smoke (half a minute, a check
-    that training runs)."""
     data: Path | None = None
     """Folder of training data. Default: runs/PRESET/data."""
     run_folder: Path | None = None
@@ -35,10 +27,7 @@ class Train:
 
     def run(self) -> int:
         platform.require_extra("train")
-        from urushi.train import training
-
-        model = training.train(
-            self.preset,
+        model = self.trained(
             data=self.data,
             out=self.output,
             run=self.run_folder,
@@ -49,6 +38,29 @@ class Train:
             print(f"{name}  {value:.4g}")
         print(f"fingerprint  {model.fingerprint}")
         return 0
+
+    def trained(self, **options: Any) -> Any:
+        """The networks, with `header` and `fingerprint`."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Train(Training):
+    """Train by a preset: basis and layering network. Missing training data are computed first.
+
+    A run that was interrupted continues with --resume and ends in the same weights.
+
+    Example: urushi train --preset default
+    """
+
+    preset: str = "default"
+    """Name of the preset: default, anisotropic (two GGX widths), or smoke (half a minute, a check
+    that training runs)."""
+
+    def trained(self, **options: Any) -> Any:
+        from urushi.train import training
+
+        return training.train(self.preset, **options)
 
 
 @dataclass(frozen=True)
