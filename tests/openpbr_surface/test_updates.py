@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.mitsuba.probes import bitmap
 from tests.openpbr_surface import probes
-from tests.openpbr_surface.probes import interaction, loaded, sampled, toward
+from tests.openpbr_surface.probes import anywhere, interaction, loaded, sampled, toward
 
 from urushi.errors import ParameterError
 
@@ -16,11 +16,12 @@ pytestmark = pytest.mark.usefixtures("rgb")
 PLAIN = {"base_metalness": 0.0, "coat_weight": 0.5, "coat_roughness": 0.3, "coat_color": (1.0,) * 3}
 
 
-DIRECTIONS = np.random.default_rng(3).normal(size=(2, 40, 3)) * [1, 1, 0] + [0, 0, 1]
-DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=-1, keepdims=True)
+ABOVE = np.random.default_rng(3).normal(size=(2, 40, 3)) * [1, 1, 0] + [0, 0, 1]
+ABOVE /= np.linalg.norm(ABOVE, axis=-1, keepdims=True)
 
 #: What is computed in a moment.
-WALKS = {"reference": True, "energy_compensation": False}
+EXACT = {"energy_compensation": False}
+WALKS = EXACT | {"reference": True}
 
 
 def key_of(parameters, name):
@@ -40,33 +41,58 @@ def update(parameters, **changes):
 
 
 def values(bsdf, repeats=1):
-    """f at 40 pairs, the mean over `repeats` walks."""
-    return probes.values(bsdf, *DIRECTIONS, repeats)
+    """f at pairs on the sides that light comes from, the mean over `repeats` walks."""
+    transmits = mi.has_flag(bsdf.flags(), mi.BSDFFlags.Transmission)
+    return probes.values(bsdf, *(anywhere(80, 1) if transmits else ABOVE), repeats)
 
 
 def same(bsdf, rtol=0.02, repeats=1, **parameters):
     """A changed material is the one that is loaded so."""
     expected = values(loaded(**parameters), repeats)
-    np.testing.assert_allclose(values(bsdf, repeats), expected, rtol=rtol)
+    np.testing.assert_allclose(values(bsdf, repeats), expected, rtol=rtol, atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("before", "change"),
-    [
-        ({}, {"fuzz_weight": 0.6}),
-        ({}, {"base_diffuse_roughness": 0.7}),
-        ({}, {"base_metalness": 0.4}),
-        ({"base_metalness": 1.0}, {"base_metalness": 0.4}),
-        pytest.param({}, {"thin_film_weight": 0.8}, marks=pytest.mark.slow),
-        ({}, {"specular_ior": 1.9}),
-    ],
-)
-def test_a_changed_base_is_the_one_that_is_loaded_so(before, change):
-    """Within the tables: those of any index are coarser than those of a number."""
-    bsdf, former = loaded(**before), values(loaded(**before))
-    update(bsdf, **change)
-    same(bsdf, 0.01, **before | change)
-    assert not np.allclose(former, values(bsdf), rtol=0.01)
+GLASS = {"interior": True, "transmission_weight": 1.0, "specular_roughness": 0.4}
+PANE = {"geometry_thin_walled": True, "transmission_weight": 1.0, "specular_roughness": 0.4}
+LEAF = {"geometry_thin_walled": True, "subsurface_weight": 1.0, "specular_roughness": 0.4}
+COAT = {"coat_weight": 1.0, "coat_roughness": 0.5, "coat_color": (0.5,) * 3}
+COLORS = ((0.3,) * 3, (0.8,) * 3)
+
+#: Materials, a parameter, and the values that it takes one after the other.
+SLABS = {
+    "pane": (PANE | {"transmission_color": (0.5,) * 3}, "transmission_color", COLORS),
+    "coated pane": (PANE | COAT, "coat_color", COLORS),
+    "coated body": (GLASS | COAT, "coat_color", COLORS),
+    "coated body of another index": (GLASS | COAT, "specular_ior", (1.3, 1.8)),
+}
+TWO_SIDED = {
+    "glass": (GLASS, "specular_ior", (1.3, 1.8)),
+    "leaf": (LEAF, "subsurface_color", COLORS),
+    "half": (GLASS | {"transmission_weight": 0.5}, "base_color", COLORS),
+    **{name: (before | EXACT, *change) for name, (before, *change) in SLABS.items()},
+    **{f"{name}, walks": (before | WALKS, *x) for name, (before, *x) in SLABS.items()},
+}
+BASES = {
+    "fuzz": ({}, "fuzz_weight", (0.6,)),
+    "rough slab": ({}, "base_diffuse_roughness", (0.7,)),
+    "some metal": ({}, "base_metalness", (0.4,)),
+    "less metal": ({"base_metalness": 1.0}, "base_metalness", (0.4,)),
+    "film": ({}, "thin_film_weight", (0.8,)),
+    "index": ({}, "specular_ior", (1.9,)),
+}
+
+
+@pytest.mark.parametrize("name", BASES | TWO_SIDED)
+def test_a_changed_material_is_the_one_that_is_loaded_so(name):
+    """Bases within the tables: those of any index are coarser than those of a number."""
+    before, parameter, changes = (BASES | TWO_SIDED)[name]
+    bsdf = loaded(**before)
+    found = [values(bsdf)]
+    for value in changes:
+        update(bsdf, **{parameter: value})
+        same(bsdf, 0.01 if name in BASES else 2e-3, **before | {parameter: value})
+        found.append(values(bsdf))
+    assert not np.allclose(*found[-2:], rtol=0.01)
 
 
 @pytest.mark.parametrize("reference", [pytest.param(False, marks=pytest.mark.slow), True])
@@ -181,7 +207,7 @@ def test_a_coat_of_index_one_is_its_medium_alone(reference):
     clear, tinted = (loaded(coat_color=(c,) * 3, **shared) for c in (1.0, 0.3))
     bare = values(loaded())
     assert np.array_equal(values(clear), bare)
-    passed = 0.5 + 0.5 * 0.3 ** (0.5 * (1 / DIRECTIONS[..., 2]).sum(axis=0))
+    passed = 0.5 + 0.5 * 0.3 ** (0.5 * (1 / ABOVE[..., 2]).sum(axis=0))
     np.testing.assert_allclose(values(tinted), bare * passed[:, None], rtol=1e-4)
     update(clear, coat_ior=1.6)
     update(clear, coat_ior=1.0)  # the coat remains, without an interface

@@ -4,17 +4,18 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
-from tests.openpbr_surface.probes import loaded, pairs
+from tests.openpbr_surface.probes import anywhere, loaded, pairs, values
 
 import urushi
 from urushi.measured.rgl import srgb_weights
-from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.shares import tint_of
 
 VARIANTS = ("llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral")
 
 GREY, COLOR, GREEN = (0.5, 0.5, 0.5), (0.7, 0.5, 0.3), (0.2, 0.8, 0.3)
+
+BODY = {"interior": True, "specular_roughness": 0.5}
 
 MATERIALS = {
     "mixture": {
@@ -30,6 +31,10 @@ MATERIALS = {
         "reference": True,
         "energy_compensation": False,
     },
+    "glass": BODY | {"transmission_weight": 1.0},
+    "skin": BODY | {"subsurface_weight": 1.0, "specular_ior": 1.4},
+    "half": BODY | {"transmission_weight": 0.5},
+    "leaf": {"geometry_thin_walled": True, "subsurface_weight": 1.0, "subsurface_color": GREY},
 }
 
 
@@ -43,13 +48,14 @@ def in_variants(function):
     return found
 
 
-@pytest.mark.parametrize("name", ["walks", pytest.param("mixture", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", MATERIALS)
 def test_grey_is_the_same_in_all_variants(name):
-    rows = (*pairs(200), np.full((200, 2), 0.5))
+    """The walks of all variants draw the same random numbers."""
+    wi, wo = (pairs if name in ("mixture", "walks") else anywhere)(100, 7)
     material = MATERIALS[name] | {"base_color": GREY}
-    found = in_variants(lambda: probing.bsdf_values(loaded(**material), *rows))
-    for f in found.values():  # the walks of all variants draw the same random numbers
-        np.testing.assert_allclose(f, found["llvm_ad_rgb"][:, : f.shape[1]], rtol=2e-3, atol=1e-5)
+    found = in_variants(lambda: values(loaded(**material), wi, wo)[:, :1])
+    for f in found.values():
+        np.testing.assert_allclose(f, found["llvm_ad_rgb"], rtol=2e-3, atol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
-from urushi.mitsuba.frames import Turn
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
 from urushi.openpbr_surface import model
@@ -71,7 +70,6 @@ class OpenPBRSurface(Surface):
 
     def __init__(self, inputs: Inputs, coating: Coating):
         self._inputs, self._coating = inputs, coating
-        self._turned = "geometry_tangent" in inputs.maps
         self._configure()
         super().__init__(mi.Properties("openpbr"), inputs.where)
 
@@ -108,7 +106,7 @@ class OpenPBRSurface(Surface):
         self._fuzz = not self._inputs.is_constant("fuzz_weight", 0)
 
     def _turn(self, si, active):
-        return Turn(*self._inputs.tangent(si, active)) if self._turned else None
+        return self._inputs.turn(si, active)
 
     def _vertex(self, si, active):
         bsdfs = [part for part in (self._base, self._coated) if part is not None]
@@ -152,7 +150,8 @@ class OpenPBRSurface(Surface):
         return proposal
 
     def known(self):
-        if self._coated or self._fuzz or self._absorbs or self._turned:
+        turned = "geometry_tangent" in self._inputs.maps
+        if self._coated or self._fuzz or self._absorbs or turned:
             return KnownSurface()
         return replace(known_surface(self._base), table_source=lambda: self)
 

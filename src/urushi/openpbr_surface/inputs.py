@@ -13,6 +13,7 @@ from urushi.checks import Widths
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.frames import Turn
 from urushi.mitsuba.properties import describe
 from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.recording import Recorded
@@ -264,13 +265,15 @@ class Inputs(Recorded):
             flags = mi.ParamFlags.NonDifferentiable if name in fixed else differentiable
             callback.put(name, self.textures[name], flags)
 
-    def tangent(self, si, active) -> tuple["mi.Float", "mi.Float"]:
-        """Sine and cosine of the angle from the shape's tangent to the map's."""
+    def turn(self, si, active) -> Turn | None:
+        """The turn from the shape's tangent to the map's; None: there is no map."""
+        if "geometry_tangent" not in self.maps:
+            return None
         x, y = (2 * c - 1 for c in self.maps["geometry_tangent"].eval_3(si, active)[:2])
         size2 = x * x + y * y
         known = size2 > 1e-12
         scale = dr.rsqrt(dr.select(known, size2, 1))
-        return dr.select(known, y * scale, 0), dr.select(known, x * scale, 1)
+        return Turn(dr.select(known, y * scale, 0), dr.select(known, x * scale, 1))
 
 
 def _texture_value(texture: "mi.Texture") -> tuple[np.ndarray, bool]:

@@ -15,7 +15,7 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.frames import Turn, above_surface, raised, with_far_side
+from urushi.mitsuba.frames import above_surface, raised, with_far_side
 from urushi.mitsuba.snapshot import has_gradients
 from urushi.mitsuba.surface import Surface, bsdf_of
 from urushi.openpbr_surface.bsdfs import OF_COAT, OpenPBRSurface, Part, SurfaceProposal
@@ -110,8 +110,7 @@ class Body(Surface):
         return self._straight(mi.BSDFContext(), si, active)[1]
 
     def _turn(self, si, active):
-        turned = "geometry_tangent" in self._inputs.maps
-        return Turn(*self._inputs.tangent(si, active)) if turned else None
+        return self._inputs.turn(si, active)
 
     def _vertex(self, si, active):
         pairs = zip(self._parts, self._weights(self._parts, si, active), strict=True)
