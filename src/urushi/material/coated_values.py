@@ -228,7 +228,7 @@ def _spanning(jobs: Jobs) -> tuple[list[int], np.ndarray]:
 
 def _basis(s: np.ndarray) -> tuple[list[int], np.ndarray]:
     """Columns (E,) of values (P, D), and weights (E, D), see `_spanning`."""
-    relative = s / s.mean(axis=1, keepdims=True)
+    relative = s / np.maximum(s.mean(axis=1, keepdims=True), 1e-30)  # some pairs see nothing
     sizes = np.linalg.norm(relative, axis=0)
     relative /= sizes
     left, chosen, shares = relative.copy(), list[int](), list[np.ndarray]()

@@ -97,6 +97,21 @@ def varnishes(mi) -> dict[str, tuple[dict, set[str]]]:
             },
             {"bottom.base_color"},
         ),
+        # Some pairs of directions see nothing of the bottom.
+        "a brushed metal": (
+            {
+                "alpha": 0.35,
+                "sigma_t": strip(0.1, 2.0),
+                "base": {
+                    "type": "principled",
+                    "metallic": 1.0,
+                    "roughness": 0.4,
+                    "anisotropic": 0.6,
+                    "base_color": noise(mi, 1),
+                },
+            },
+            {"sigma_t", "bottom.base_color"},
+        ),
         # Parameters of one texture lie along one axis, if one is a function of the other.
         "a pigment's colour": (
             {"body": 0.6, "body_color": noise(mi, 3), "base": GOLD},
@@ -113,7 +128,13 @@ def varnishes(mi) -> dict[str, tuple[dict, set[str]]]:
 @pytest.mark.parametrize(
     "name",
     [
-        *("checkerboard", "two transforms", "indices near one", "vertex colours"),
+        *(
+            "checkerboard",
+            "two transforms",
+            "indices near one",
+            "vertex colours",
+            "a brushed metal",
+        ),
         *("a pigment's colour", "two roughnesses", "two textures"),
     ],
 )
