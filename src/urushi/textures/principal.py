@@ -43,9 +43,7 @@ class Projection:
 
     def numbers(self, rests: np.ndarray) -> np.ndarray:
         """Principal numbers (..., 1 + N) of rests (..., K)."""
-        off = rests[..., 1:] - self.mean
-        gain = rests[..., :1] + (off @ self.levels)[..., None]
-        return np.concatenate([gain, off @ self.into], axis=-1)
+        return self.changes(rests - np.append(0, self.mean))
 
     def rests(self, numbers: np.ndarray) -> np.ndarray:
         """Rests (..., K) of principal numbers (..., 1 + N)."""

@@ -32,8 +32,11 @@ from urushi.textures.principal import projection_of
 #: Largest change of a number of a code along its slopes that is represented.
 REACH = 0.3
 
-#: Places of the widths and the index among the numbers of a lobe, by the parameters' names.
-LOBE = {"alpha": (0, 6), "alpha_u": (0,), "alpha_v": (6,), "eta": (4,)}
+#: Places of parameters among the numbers of a lobe, by the number of widths.
+LOBE = {
+    1: {"alpha": [0], "eta": [4]},
+    2: {"alpha": [0, 6], "alpha_u": [0], "alpha_v": [6], "eta": [4]},
+}
 
 
 class AxisLatents(EvaluatedCodes):
@@ -47,6 +50,7 @@ class AxisLatents(EvaluatedCodes):
         """varying: the parameters along the axes, and then constants that carry gradients."""
         self.baked, self.model, self.varying = baked, baked.model, list(varying)
         self.differentiable = any(x.differentiable for x in varying)
+        self._places = LOBE[baked.model.widths]
         #: Channels of a vertex; one if all are alike.
         own = any(axis.own for axis in baked.axes)
         self._evaluated_channels = dr.size_v(mi.Spectrum) if own else baked.channels
@@ -79,7 +83,7 @@ class AxisLatents(EvaluatedCodes):
             )
             rests = projection.numbers(rests)
             changes = projection.changes(changes) if changes.size else changes
-        known = {i for axis in self.baked.axes for i in self._lobe_places(axis.name)}
+        known = {i for axis in self.baked.axes for i in self._places.get(axis.name, ())}
         differ = np.ptp(tops, axis=(0, 1)) > 0
         #: Places of the numbers of lobes that nodes hold.
         self._stored = [i for i in np.flatnonzero(differ).tolist() if i not in known]
@@ -115,11 +119,11 @@ class AxisLatents(EvaluatedCodes):
             places, moved = self._kind.numbers(c), list(channel)
             for name, own, slope in zip(self._all, changes, vertex.slopes[c], strict=True):
                 change = _of(own, c)
-                for place in self._lobe_places(name):
+                for place in self._places.get(name, ()):
                     if place in places:
                         at = places.index(place)
                         moved[at] = dr.fma(self._one, change, moved[at])
-                if self.model.widths == 2:  # the last number is the squared stretch
+                if self._kind.widths == 2:  # the last number is the squared stretch
                     slope = [*slope[:-1], 2 * channel[-1] * slope[-1]]
                 for i, number in enumerate(slope, len(places)):
                     moved[i] = dr.fma(number, change, moved[i])
@@ -146,7 +150,7 @@ class AxisLatents(EvaluatedCodes):
             lobe = self._lobe(values, code[: len(self._stored)])
             codes.append([*lobe, *code[len(self._stored) :]])
             slopes.append(self._slopes_at(corners))
-        mean = self._kind.mean([code[: self.model.arch.lobe] for code in codes])
+        mean = self._kind.mean([code[: len(self._fixed)] for code in codes])
         node = nearest(baked.shape, [sum(x) * (1 / len(x)) for x in coordinates], mi.UInt32)
         drawn = self._terms.at([(node, 1.0)])
         stretch = drawn[proposal.TERMS :]
@@ -160,13 +164,9 @@ class AxisLatents(EvaluatedCodes):
             lobe[place] = number
         parts = zip(self.baked.axes, values, self._ranges, strict=True)
         for axis, (value, *_), (least, most, *_) in parts:
-            for place in self._lobe_places(axis.name):
+            for place in self._places.get(axis.name, ()):
                 lobe[place] = dr.clip(value, least, most)
         return lobe
-
-    def _lobe_places(self, name: str) -> tuple[int, ...]:
-        """The places of a parameter among the numbers of the lobe."""
-        return LOBE.get(name, ())[: self.model.widths]
 
     def _slopes_at(self, corners: Sequence[tuple[Any, Any]]) -> list[list]:
         """The slopes of the numbers of the rest by each parameter."""
@@ -206,14 +206,14 @@ class AxisLatents(EvaluatedCodes):
         found = sum(weight * at_nodes[node] for node, weight in nodes)
         codes = np.broadcast_to(found, (count, self.model.arch.latent)).astype(np.float32)
         for axis in baked.axes:
-            for place in self._lobe_places(axis.name):
+            for place in self._places.get(axis.name, ()):
                 codes[:, place] = np.clip(values[axis.name], axis.least, axis.most)
         slopes = _of(self._changes, channel)
         for k, name in enumerate(baked.constants, len(baked.axes)):
             change = values.get(name, np.zeros(count))
             for node, weight in simplex(baked.shape, places, whole_numbers, NUMPY):
                 codes[:, len(self._fixed) :] += slopes[node, k] * (weight * change)[:, None]
-            for place in self._lobe_places(name):
+            for place in self._places.get(name, ()):
                 codes[:, place] += change
         return codes
 
