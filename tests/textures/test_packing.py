@@ -1,12 +1,45 @@
-"""Packed latent textures."""
+"""Codes of a texture in less memory: packed into bytes, and as principal numbers."""
 
 import numpy as np
 import pytest
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
+from urushi.nets import lobe as lobes
+from urushi.nets.weights import Model, default_model
 from urushi.textures import packing
 from urushi.textures.packing import Texture
+from urushi.textures.principal import projection_of
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    return default_model()
+
+
+@pytest.fixture(scope="module")
+def lacquers(model):
+    """From a number of texels: codes (n, 3, size) of lacquers over metals that shine and diffuse.
+
+    A texel has one width of the lacquer, and in each channel a width of the metal, its reflectance
+    and a diffuse reflectance.
+    """
+
+    def draw(count: int) -> np.ndarray:
+        rng = np.random.default_rng(0)
+        lobe = np.zeros((count, 3, 6))
+        lobe[..., 0] = rng.uniform(0.05, 0.4, (count, 1))
+        lobe[..., 3:5] = 1, 1.5
+        metal = np.zeros((count, 3, 6))
+        metal[..., 0] = rng.uniform(0.1, 0.4, (count, 3))
+        metal[..., 1:3] = rng.uniform(0.1, 0.5, (count, 3, 1))
+        metal[..., 4] = 1.5
+        wi, wo = model.networks.pairs()
+        f = lobes.f(lobe[..., None, :], wi, wo) + lobes.f(metal[..., None, :], wi, wo)
+        f += rng.uniform(0.02, 0.4, (count, 3, 1)) / np.pi
+        return model.networks.encode(f.astype(np.float32), lobe.astype(np.float32))
+
+    return draw
 
 
 @pytest.fixture
@@ -59,3 +92,50 @@ def test_packing_is_as_fine_as_its_steps_and_numbers_that_are_known_take_fewer_b
     smaller = texture.layout.texel_bytes < general.layout.texel_bytes
     assert smaller or texture.layout.levels.sum() > general.layout.levels.sum()
     np.testing.assert_allclose(texture.codes()[..., -4:], known[..., -4:])
+
+
+def projected(model, codes: np.ndarray):
+    """Functions, projection and principal numbers (T, C, 1 + N) of codes (T, C, L)."""
+    tops, rests = np.split(codes, [model.arch.lobe], axis=-1)
+    functions, projection = projection_of(model, np.moveaxis(tops, 1, 0), np.moveaxis(rests, 1, 0))
+    return functions, projection, projection.numbers(rests)
+
+
+def errors(model, codes: np.ndarray) -> np.ndarray:
+    """E of f by the principal numbers of codes (T, C, L)."""
+    _, projection, numbers = projected(model, codes)
+    found = np.concatenate([codes[..., : model.arch.lobe], projection.rests(numbers)], axis=-1)
+    wi, wo = cosine_pairs(np.random.default_rng(1), 500)
+    f, ours = (model.networks.f(z[..., None, :], wi, wo) for z in (codes, found))
+    return stack_error(ours, f, wi[:, 2], wo[:, 2])
+
+
+def test_principal_numbers_give_the_f_of_codes_by_fewer_functions(model, lacquers):
+    """And that of one code of a thousand that is unlike all others."""
+    codes = lacquers(256)
+    assert projected(model, codes)[0].shape[1] < model.arch.functions
+    found = errors(model, codes)
+    assert found.mean() < 2e-3
+    assert found.max() < 1e-2
+    codes = np.repeat(codes[:1], 1000, axis=0)
+    codes[123] = lacquers(7)[5]
+    assert errors(model, codes).max() < 1e-2
+
+
+def test_unlike_materials_keep_their_codes(model):
+    codes = np.zeros((256, 3, model.arch.latent), np.float32)
+    codes[..., :6] = 0.3, 0, 0, 1, 1.5, 0
+    codes[..., 6:] = np.random.default_rng(0).normal(size=(256, 3, model.arch.functions))
+    assert projected(model, codes)[2].shape[-1] == model.arch.functions
+    assert errors(model, codes).max() < 1e-4
+
+
+@pytest.mark.parametrize("bare", [False, True])
+def test_principal_numbers_of_one_material(model, lacquers, bare):
+    """Nothing varies, and the numbers of codes may be zero."""
+    codes = np.repeat(lacquers(1), 8, axis=0)
+    if bare:
+        codes[..., model.arch.lobe :] = model.networks.empty_rest()
+    functions, projection, numbers = projected(model, codes)
+    np.testing.assert_allclose(projection.rests(numbers), codes[..., model.arch.lobe :], atol=2e-3)
+    assert np.isfinite(functions).all()
