@@ -1,15 +1,10 @@
 """The random walk: reciprocity, independence of launches and channels, and edge cases."""
 
-from types import ModuleType
-
-import drjit as dr
 import numpy as np
 import pytest
 from tests.directions import above
 
-from urushi.core.random import stream
 from urushi.walk import (
-    Coat,
     StackTable,
     coat,
     conductor,
@@ -17,12 +12,9 @@ from urushi.walk import (
     diffuse,
     monte_carlo,
     simulate,
-    walk,
     walk_pairs,
 )
 from urushi.walk.bottoms import KINDS
-from urushi.walk.bottoms.diffuse import Lambertian
-from urushi.walk.monte_carlo import backend
 
 
 def random_table(kind: str, stacks: int, coats: int, rng: np.random.Generator) -> StackTable:
@@ -83,49 +75,6 @@ def test_200_random_stacks_are_reciprocal() -> None:
     assert np.median(np.abs(there / back - 1)) < 0.02
 
 
-class ColorLayers:
-    """Coats with one value per channel, as a renderer passes them to the walk."""
-
-    def __init__(self, jit: ModuleType, coats: tuple[Coat, ...]) -> None:
-        self.count = len(coats)
-        self._jit, self._coats = jit, coats
-
-    def _choose(self, index, values):
-        result = values[-1]
-        for i, value in enumerate(values[:-1]):
-            result = dr.select(index == i, value, result)
-        return result
-
-    def interface(self, index):
-        return tuple(
-            self._choose(index, [self._jit.Float(getattr(c, name)) for c in self._coats])
-            for name in ("alpha", "eta")
-        )
-
-    def medium(self, index):
-        def color(value):
-            return self._jit.Array3f(*np.broadcast_to(value, 3).tolist())
-
-        return tuple(
-            self._choose(index, [color(getattr(c, name)) for c in self._coats])
-            for name in ("albedo", "sigma_t", "g")
-        )
-
-
-def walk_in_color(stack, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int):
-    """Mean and standard error (N, 3) of walks that carry three channels at once."""
-    jit = backend()
-    pair = dr.arange(jit.UInt32, len(wi) * walks) // walks
-    a, b = (dr.gather(jit.Array3f, jit.Array3f(np.ascontiguousarray(w.T)), pair) for w in (wi, wo))
-    layers = ColorLayers(jit, stack.coats)
-    bottom = Lambertian(jit.Array3f(*np.broadcast_to(stack.bottom.reflectance, 3).tolist()))
-    rng = stream(jit.PCG32, dr.arange(jit.UInt32, len(wi) * walks), seed)
-    f = walk.estimate(layers, bottom, a, b, rng, jit.Array3f).numpy()
-    f = f.reshape(3, len(wi), walks).astype(np.float64)
-    top = walk.top_reflection(layers, a, b).numpy()[::walks, None]
-    return f.mean(axis=2).T + top, f.std(axis=2).T / np.sqrt(walks)
-
-
 COLORED = {
     # a rough top: light leaves by sampled phase directions as often as by connections
     "g, rough": [dict(alpha=1.0, albedo=0.95, sigma_t=2.0, g=(-0.8, 0.0, 0.9))],
@@ -138,17 +87,32 @@ COLORED = {
 }
 
 
+def colour(value):
+    """A parameter of a plugin."""
+    return {"type": "rgb", "value": [*value]} if isinstance(value, tuple) else value
+
+
 @pytest.mark.parametrize("coats", COLORED.values(), ids=COLORED.keys())
-def test_one_walk_for_all_channels_equals_a_walk_per_channel(coats: list[dict]) -> None:
+def test_one_walk_for_all_channels_equals_a_walk_per_channel(rgb, coats: list[dict]) -> None:
+    """The plugin's walks carry a colour, those of `simulate` one channel."""
+    from tests.mitsuba.probes import walked
+
     stack = diffuse((0.8, 0.4, 0.1))
-    for parameters in reversed(coats):
-        stack = coat(stack, **{"alpha": 0.25, "eta": 1.4} | parameters)
+    plugin = {"type": "diffuse", "reflectance": colour(stack.reflectance)}
+    coats = [{"alpha": 0.25, "eta": 1.4} | parameters for parameters in coats]
+    outside = np.cumprod([1.0, *(parameters["eta"] for parameters in coats)])
+    for parameters, index in zip(reversed(coats), reversed(outside[:-1]), strict=True):
+        stack = coat(stack, **parameters)
+        medium = {name: colour(x) for name, x in parameters.items() if name != "eta"}
+        indices = {"int_ior": index * parameters["eta"], "ext_ior": index}
+        plugin = {"type": "layered", "base": plugin, **indices, **medium}
     rng = np.random.default_rng(1)
     wi, wo = above(6, rng, 0.1), above(6, rng, 0.1)
-    walks = 1 << (13 if coats == COLORED["deep"] else 16)
+    walks = 1 << (13 if coats[0]["albedo"] == 1.0 else 16)  # fewer of the long ones
     f, se = simulate(stack, wi, wo, walks=walks, seed=1, progress=False)
-    color, se_color = walk_in_color(stack, wi, wo, walks, seed=2)
-    z = (color - f) / np.hypot(se, se_color)
+    color = walked(rgb.load_dict(plugin), wi, wo, walks)
+    se_color = color.std(axis=0) / np.sqrt(walks)
+    z = (color.mean(axis=0) - f) / np.hypot(se, se_color)
     # 18 values, of which the three channels of a colour walk are correlated.
     assert np.abs(z).max() < 4.5
     assert np.mean(z**2) < 2
