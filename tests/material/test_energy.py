@@ -45,20 +45,6 @@ def code_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     return energy.rest_albedos(model, z) + energy.lobe_albedos(z[:, : model.arch.lobe])
 
 
-@pytest.mark.parametrize("alpha", [0.01, 0.017, 0.033, 0.08, 0.21, 0.47, 1.0])
-def test_the_rule_agrees_with_a_fine_one(alpha):
-    rule = albedo_rule()
-    for description in (
-        urushi.conductor(alpha, (0.0, 0.5, 1.0)),
-        urushi.conductor(alpha, eta=0.2, k=3.9),
-        urushi.dielectric(alpha, 1.5),
-        urushi.diffuse(0.8),
-    ):
-        found = rule.albedo(analytic.f(description, rule.wi, rule.wo).T)
-        expected = true_albedo(description, rule.directions).T
-        np.testing.assert_allclose(found, expected, atol=2.5e-3)
-
-
 FRESNEL = {
     "white": (1, 1, 0, 1.5, 0),
     "schlick": (0.3, 1, 0, 1.5, 0),
@@ -68,7 +54,8 @@ FRESNEL = {
 
 
 @pytest.mark.parametrize(
-    "alpha", [(0.01,), (0.03,), (0.11,), (1.0,), (0.05, 0.4), (0.4, 0.05), (0.02, 0.02)]
+    "alpha",
+    [(0.01,), (0.017,), (0.03,), (0.11,), (0.47,), (1.0,), (0.05, 0.4), (0.4, 0.05), (0.02, 0.02)],
 )
 def test_albedos_of_lobes_agree_with_both_quadratures(alpha, monkeypatch):
     """The rule of two widths as well, between whose axes narrow lobes lie askew."""
@@ -86,6 +73,8 @@ def test_albedos_of_lobes_agree_with_both_quadratures(alpha, monkeypatch):
     weights = weights * wo[..., 2]
     expected = [(lobes.f(own, rule.directions[:, None], wo) * weights).sum(axis=1) for own in lobe]
     np.testing.assert_allclose(found, expected, atol=4e-3)
+    if widths == 1:
+        np.testing.assert_allclose(by_rule, expected, atol=2.5e-3)
 
 
 @pytest.mark.parametrize("bottom", [urushi.conductor(0.05, 1.0), urushi.diffuse(1.0)])
