@@ -13,7 +13,6 @@ from benchmarks.showing import COLOURS, figure, rounded, table
 
 import urushi
 from urushi.material.slab_table import slab_tables
-from urushi.nets.weights import default_model
 from urushi.walk.simulate import albedo
 
 #: Angles of incidence [degrees], and those of the table.
@@ -42,7 +41,7 @@ def measure(slab: tuple[float, ...], options: Options) -> Found:
         for passed in (False, True)
     ]
     interfaces = np.array([[alpha, eta], [alpha, 1 / eta]])
-    by_tables = slab_tables(default_model(), interfaces, np.reshape(medium, (1, 3, 1)))
+    by_tables = slab_tables(interfaces, np.reshape(medium, (1, 3, 1)))
     return {
         "walk": rounded([share[:, 0] for share, _ in walked]),
         "se": rounded([se[:, 0] for _, se in walked]),

@@ -26,7 +26,7 @@ from urushi.material import adding
 from urushi.material.slab_table import slab_tables
 from urushi.measured import merl
 from urushi.measured.tabulated import bin_centres
-from urushi.nets.weights import DEFAULT, default_model
+from urushi.nets.weights import DEFAULT
 from urushi.parallel import one_blas_thread
 from urushi.walk import analytic, walk_pairs
 from urushi.walk.table import from_stack
@@ -131,7 +131,7 @@ def slabs(_: Options) -> Found:
         for function in vars(adding).values():
             getattr(function, "cache_clear", int)()
         values = np.array(media)[..., :channels]
-        return timing.seconds(lambda: slab_tables(default_model(), np.array(interfaces), values))
+        return timing.seconds(lambda: slab_tables(np.array(interfaces), values))
 
     with one_blas_thread():
         operations = {

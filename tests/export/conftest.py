@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.untrained import untrained
 
-from urushi.core.table import SHAPE, knots_of
+from urushi.core.table import SHAPE
 from urushi.material import Material
 from urushi.nets.basis import EMPTY_GAIN
 from urushi.nets.weights import Model
@@ -54,9 +54,7 @@ def materials(model, anisotropic_model) -> dict[str, Material]:
         "edges": Material(edges, model),
         "grey edges": Material(edges[:1], model),
         "table": Material(codes, model, logs),
-        "table beside lobe": Material(
-            codes[:1], model, logs[..., :1], beside_lobe=True, knots=knots_of([0.5, 0.8])
-        ),
+        "table beside lobe": Material(codes[:1], model, logs[..., :1], beside_lobe=True),
         "brushed lobes": Material(two, anisotropic_model, rotation=40.0),
         "brushed lobe": Material(brushed, anisotropic_model),
         "brushed grey": Material(two[:1], anisotropic_model),

@@ -9,7 +9,6 @@ import urushi
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import energy_weight
 from urushi.material.slab_table import SlabTables, slab_tables
-from urushi.nets.weights import default_model
 
 DOWN = np.array([1, 1, -1], np.float32)
 
@@ -35,7 +34,7 @@ def tables(layers: Layers) -> SlabTables:
     interfaces = np.array([coat[:2] for coat in coats] + [far])
     channels = max(np.size(x) for coat in coats for x in coat)
     media = [[np.broadcast_to(x, channels) for x in coat[2:]] for coat in coats]
-    return slab_tables(default_model(), interfaces, np.array(media))
+    return slab_tables(interfaces, np.array(media))
 
 
 def in_plane(cosines: npt.ArrayLike) -> np.ndarray:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.core.stretched import FACTORS
-from urushi.core.table import Knots
 from urushi.errors import ParameterError
 from urushi.export import proposal, transmittance
 from urushi.export.expressions import (
@@ -94,7 +93,6 @@ def material_text(
     prefix: str,
     rotation: float = 0.0,
     *,
-    knots: Knots = (),
     has_lobe: bool = True,
     has_rest: bool = True,
 ) -> str:
@@ -106,7 +104,6 @@ def material_text(
             sampled.
         prefix: begins the names in the file.
         rotation: [degrees] by which the material's tangent is turned.
-        knots: of the table of ln f, which the texture `rest.own_texture` holds.
         has_lobe, has_rest: whether f has the lobe, and what the texture holds.
     """
     printer = _printer(language, prefix)
@@ -119,7 +116,7 @@ def material_text(
     lobes = latents[:, : model.arch.lobe]
     code = _Code(
         [colour(column) for column in lobes.T] if has_lobe else (),
-        Rest(1 if model.widths == 1 else 1 + FACTORS, knots, terms.stretch) if has_rest else None,
+        Rest(1 if model.widths == 1 else 1 + FACTORS, terms.stretch) if has_rest else None,
         terms,
         Tangent.of(rotation),
         bool(has_edges(np.vstack([lobes, lobes.mean(axis=0)])).any()),

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.core.stretched import stretched
-from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, Knots, coordinates, corner_steps
+from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corner_steps
 from urushi.export.expressions import TEXEL, Expression, Value, call, vector
 from urushi.export.statements import Function, namespace
 from urushi.nets.weights import Model
@@ -32,7 +32,6 @@ class Rest(NamedTuple):
     """A rest in a texture."""
 
     texels: int  # of a node
-    knots: Knots = ()
     stretch: Expression | None = None  # with two GGX widths: s of `core.stretched`
     code: Sequence[Expression] = ()  # (K,) colours, for a basis; otherwise the texture is ln f
     factors: Sequence[int] = ()  # (K,) of b and the functions but the first; 0: none
@@ -82,7 +81,7 @@ def rest_f(
     both, apart = body.let("both", wi + wo), body.let("apart", wi - wo)
     xp, around = namespace(body), []
     if rest.stretch is None:
-        places = coordinates(both, apart, xp, rest.knots)
+        places = coordinates(both, apart, xp)
     else:
         places, factors = stretched(both, apart, rest.stretch * rest.stretch, xp)
         around = [body.let(f"factor{k}", factor) for k, factor in enumerate(factors)]

@@ -13,7 +13,7 @@ from urushi.core.directions import rotated
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import NUMPY, components, stacked_components
 from urushi.core.quadrature import directional_albedos
-from urushi.core.table import MIN_LOG, SHAPE, Knots, interpolated
+from urushi.core.table import MIN_LOG, SHAPE, interpolated
 from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
 from urushi.export.rest import own_texture
@@ -57,7 +57,6 @@ class Material:
         rotation: angle [degrees] by which the tangent is turned about the normal,
             counter-clockwise, see `rotated`; 0 for one width. Default: 0.
         coating: its topmost coat, if `layer` made it. Default: None.
-        knots: of the table, where it is of a slab; files do not hold them. Default: ().
 
     Materials equal each other if codes, tables, rotations and weights do.
     """
@@ -68,7 +67,6 @@ class Material:
     rotation: float = 0.0
     beside_lobe: bool = False
     coating: Coating | None = None
-    knots: Knots = ()
 
     def __post_init__(self) -> None:
         channels = max(len(np.atleast_1d(self.latents)), 1)
@@ -152,7 +150,7 @@ class Material:
 
     def _tabulated(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         assert self.table is not None  # for the type checker
-        f = interpolated(self.table, wi, wo, self.knots)
+        f = interpolated(self.table, wi, wo)
         if self.beside_lobe:
             lobe, a, b = self.latents[:, : self.model.arch.lobe], wi[:, None], wo[:, None]
             f = transmittance.both_ways(lobe, a, b) * f + lobes.f(lobe, a, b)
@@ -247,7 +245,6 @@ class Material:
             self.latents,
             prefix,
             self.rotation,
-            knots=self.knots,
             has_lobe=self.table is None or self.beside_lobe,
             has_rest=self._table() is not None,
         )

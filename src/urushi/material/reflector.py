@@ -39,7 +39,7 @@ class Reflector(NamedTuple):
         z, own = material.latents, material.model.arch.lobe
         lobe = z[:, :own] if material.table is None or material.beside_lobe else None
         stretch2 = np.exp(2 * z[:, -1]) if material.model.widths == 2 else None
-        return cls.of_logs(material.logs(), lobe, stretch2, material.knots)
+        return cls.of_logs(material.logs(), lobe, stretch2)
 
     @classmethod
     def of_logs(

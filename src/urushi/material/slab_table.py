@@ -23,6 +23,7 @@ from urushi.core.table import (
     MIN_LOG,
     SHAPE,
     Knots,
+    interpolated,
     interpolated_at,
     interpolated_columns,
     knots_of,
@@ -31,7 +32,6 @@ from urushi.core.table import (
 )
 from urushi.material import adding
 from urushi.material.coated_table import SLAB_POINTS, rest_at_nodes
-from urushi.material.material import Material
 from urushi.material.reflector import Reflector
 from urushi.material.slab_coordinates import (
     Faces,
@@ -46,7 +46,6 @@ from urushi.material.slab_light import transmitted
 from urushi.material.slab_shares import Layers, Shares, shares
 from urushi.material.substrate import OnGrid, Substrate
 from urushi.nets import lobe as lobes
-from urushi.nets.weights import Model
 from urushi.walk import slabs
 
 #: Angles at which the light of a table is known, and their distances [rad] from angles of total
@@ -64,12 +63,23 @@ ROUNDS, STEP, SMALL = 8, 0.75, 0.002
 LARGEST_CHANGE = 1.0
 
 
+class Reflected(NamedTuple):
+    """What a slab of C channels reflects on a side, without the lobe of its first interface."""
+
+    table: np.ndarray  # float16 (*`SHAPE`, C) logarithms of f
+    knots: Knots  # of the table
+
+    def below(self, lobe: np.ndarray | None = None) -> Reflector:
+        """The BRDFs below a medium, with lobes (C, N) beside the table, which has their edges."""
+        reflector = Reflector.of_logs(self.table, lobe, knots=self.knots)
+        return reflector._replace(darkened=False)
+
+
 class SlabTables(NamedTuple):
     """A slab of C channels.
 
     Attributes:
-        reflected: f above the slab and below it, without the lobe of the first interface, divided
-            by `mirrored_inside`.
+        reflected: above the slab and below it, divided by `mirrored_inside`.
         passed: float16 (*`PASSED_SHAPE`, C) logarithms of f of transmission, divided by the squared
             index on wo's side and by `grazing_factor` of both directions.
         eta: index below it relative to above.
@@ -78,7 +88,7 @@ class SlabTables(NamedTuple):
         inner: the lobes of `mirrored_inside` on each side.
     """
 
-    reflected: tuple[Material, Material]
+    reflected: tuple[Reflected, Reflected]
     passed: np.ndarray
     eta: float
     faces: Faces
@@ -100,7 +110,8 @@ class SlabTables(NamedTuple):
                 left = np.exp(-self.depths[lower] * (1 / a[at, 2] + 1 / b[at, 2])[:, None])
                 directions = Components(*a[at].T), Components(*b[at].T)
                 factor = mirrored_inside(*directions, self.inner[lower], NUMPY)[:, None]
-                result[at] = self.reflected[lower].f(a[at], b[at]) * factor + surface * left
+                table, knots = self.reflected[lower]
+                result[at] = interpolated(table, a[at], b[at], knots) * factor + surface * left
                 continue
             pair = (b[at], a[at]) if lower else (a[at], b[at])
             above, below = (Components(*w.T) for w in pair)
@@ -134,11 +145,10 @@ class SlabTables(NamedTuple):
         return np.array(every).swapaxes(0, 1)
 
 
-def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> SlabTables:
+def slab_tables(interfaces: np.ndarray, media: np.ndarray) -> SlabTables:
     """The tables of a slab.
 
     Args:
-        model: isotropic weights, of which nothing is used but the form of the codes.
         interfaces: (n + 1, 2) alpha and eta, top to bottom, each relative to the medium above. The
             index of one of them at least is not 1.
         media: (n, 3, C) albedo, sigma_t and g between them.
@@ -148,8 +158,8 @@ def slab_tables(model: Model, interfaces: np.ndarray, media: np.ndarray) -> Slab
     symmetric = layers.is_symmetric()
     index, faces = float(layers.indices()[-1]), (layers.face(), turned.face())
     sides = [shares(side, channels) for side in (layers, turned)[: 1 if symmetric else 2]]
-    above, insides = _reflected(model, layers, sides[0])
-    below = above if symmetric else _reflected(model, turned, sides[1])[0]
+    above, insides = _reflected(layers, sides[0])
+    below = above if symmetric else _reflected(turned, sides[1])[0]
 
     def light(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         known = grazing_factor(Components(*a.T), Components(*b.T), faces, NUMPY)
@@ -247,22 +257,21 @@ def _passed_light(own: Shares, index: float, faces: Faces, side: int) -> Light:
     )
 
 
-def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Material, list[OnGrid]]:
-    """What the slab reflects above without its first interface's lobe, and what lies below media.
+def _reflected(layers: Layers, every: list[Shares]) -> tuple[Reflected, list[OnGrid]]:
+    """What the slab reflects above, and what lies below its media.
 
     every: shares of what lies from each interface on, from the first to the last.
     """
-    channels, lobe = every[0].passed.shape[-1], slice(model.arch.lobe)
-    below, insides = None, list[OnGrid]()
+    channels, insides = every[0].passed.shape[-1], list[OnGrid]()
+    below: Reflected | None = None
+    lobe: np.ndarray | None = None
     for level in reversed(range(len(layers.interfaces))):
         interface = layers.interfaces[level]
         alpha, eta = np.broadcast_to(interface, (channels, 2)).T
-        codes = np.zeros((channels, model.arch.latent), np.float32)
-        codes[:, lobe] = lobes.of_coat(alpha, eta)
         logs = np.full((*SHAPE, channels), MIN_LOG, np.float16)
         knots = knots_of(np.sin(layers.edges(level)).tolist())
         if below is not None:
-            edges, reflector = layers.edges(level + 1), _reflector(below)
+            edges, reflector = layers.edges(level + 1), below.below(lobe)
             if insides:
                 inside = OnGrid.of(reflector, edges)
             else:
@@ -271,8 +280,7 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
                 inside = OnGrid(edges, modes, adding.mirror(*surface).repeat(channels, axis=1))
             own = Substrate.of(reflector, inside)
             if eta[0] == 1:  # the lobe below is seen beside the table
-                seen = replace(below, beside_lobe=False)
-                own = replace(own, reflector=_reflector(seen))
+                own = replace(own, reflector=below.below())
             inner = Layers(layers.interfaces[level:], layers.media[level:]).inner_lobes()
             a, b = (Components(*w.T) for w in node_pairs(knots))
             factor = mirrored_inside(a, b, inner, NUMPY).astype(np.float32).reshape(SHAPE)
@@ -286,14 +294,9 @@ def _reflected(model: Model, layers: Layers, every: list[Shares]) -> tuple[Mater
             if level:
                 logs = logs + np.log(factor)[..., None]
             logs = logs.clip(MIN_LOG, MAX_LOG).astype(np.float16)
-        below = Material(codes, model, table=logs, beside_lobe=True, knots=knots)
+        below, lobe = Reflected(logs, knots), lobes.of_coat(alpha, eta)
     assert below is not None  # for the type checker
-    return replace(below, beside_lobe=False), insides
-
-
-def _reflector(inner: Material) -> Reflector:
-    """What lies below a medium; the tables of slabs hold T(wi) T(wo), their edges are at knots."""
-    return Reflector.of(inner)._replace(darkened=False)
+    return below, insides
 
 
 def _reflected_light(own: Shares, knots: Knots, inner: InnerLobes) -> Light:

@@ -72,7 +72,7 @@ class ConstantLatents(EvaluatedCodes):
         self._fine = len(latents) == spectrum.COUNT
         whole = table is not None and not material.beside_lobe
         self._kind = NO_LOBE if whole else kind_of(latents[:, : model.arch.lobe])
-        self._sampler, self._knots = CodeProposals(model, self._kind), material.knots
+        self._sampler = CodeProposals(model, self._kind)
         self._decoder = BasisDecoder(model, self._kind) if model.widths == 2 else None
         self._table: Any = None  # of the rest's g, or of all of f; None: there is no rest
         if self._decoder is None:
@@ -128,7 +128,7 @@ class ConstantLatents(EvaluatedCodes):
         lobes = self._kind.complete(channels)
         if self._table is None:
             return lobe.f(lobes, wi, wo, self._kind)
-        rests = tabulated(self._table, len(channels), wi, wo, self._knots, bands)
+        rests = tabulated(self._table, len(channels), wi, wo, bands=bands)
         return lobe.with_rests(lobes, rests, wi, wo, self._kind)
 
     def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:

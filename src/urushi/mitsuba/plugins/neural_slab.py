@@ -29,7 +29,6 @@ from urushi.mitsuba.properties import ignore
 from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.recording import only_where, opaque, owned
 from urushi.mitsuba.snapshot import has_gradients
-from urushi.nets.weights import default_model
 from urushi.walk import interface
 
 #: Quantiles of the half angles at which lobes are sampled, and the weights of these lobes and of a
@@ -100,7 +99,7 @@ class NeuralSlab(CoatedSurface):
         media = [np.broadcast_arrays(*row[2:]) for row in rows]
         channels = max(medium[0].size for medium in media)
         columns = [[np.broadcast_to(x.ravel(), channels) for x in medium] for medium in media]
-        tables = slab_tables(default_model(), np.array(interfaces), np.array(columns))
+        tables = slab_tables(np.array(interfaces), np.array(columns))
         above, below = tables.reflected
         wanted = has_gradients(self)
         sides = (above, below) if wanted or above is not below else (above,)
@@ -133,7 +132,7 @@ class NeuralSlab(CoatedSurface):
             row, ends = list(LARGEST).index(name), np.stack([media, media])
             moved = media[level, row] + np.array([[-STEP], [STEP]]) * (1 + media[level, row])
             ends[:, level, row] = moved.clip(0, LARGEST[name])
-            low, high = (slab_tables(default_model(), interfaces, end) for end in ends)
+            low, high = (slab_tables(interfaces, end) for end in ends)
             step = (ends[1] - ends[0])[level, row]
 
             changes = [number - dr.detach(number) for number in numbers]
