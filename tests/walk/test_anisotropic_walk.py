@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 from tests.directions import pairs_above
+from tests.walk.test_walk import random_table
 
 from urushi.checks import Widths
 from urushi.walk import (
     Stack,
-    StackTable,
     coat,
     conductor,
     dielectric,
@@ -17,9 +17,7 @@ from urushi.walk import (
     simulate,
     walk_pairs,
 )
-from urushi.walk.bottoms import KINDS
 from urushi.walk.monte_carlo import backend
-from urushi.walk.table import from_stack
 
 #: Anisotropic at the top, at the bottom, at both, and with three interfaces; per channel once.
 STACKS = {
@@ -105,21 +103,12 @@ def test_equal_widths_give_the_walks_of_one_width(kind: str, coats: int) -> None
     """The same paths on LLVM, up to rounding; CUDA divides approximately, and paths diverge."""
     if backend().__name__ != "drjit.llvm":
         pytest.skip("only LLVM divides exactly")
-    rng = np.random.default_rng(7)
-    shape = (8, coats)
-    coat_columns = {
-        "eta": rng.uniform(1.1, 1.8, shape),
-        "albedo": rng.uniform(0, 1, shape),
-        "sigma_t": rng.uniform(0, 2, shape),
-        "g": rng.uniform(-0.9, 0.9, shape),
-    }
-    alpha, others = rng.uniform(0.01, 1, 8), KINDS[kind].parameters[1:]
-    bottom = {name: rng.uniform(0.5, 0.9, 8) for name in others}
-    widths = rng.uniform(0.01, 1, shape)
-    one = StackTable(widths, **coat_columns, kind=kind, bottom={"alpha": alpha, **bottom})
-    two = StackTable(
-        Widths(widths, widths),
-        **coat_columns,
+    one = random_table(kind, 8, coats, np.random.default_rng(7))
+    bottom = dict(one.bottom)
+    alpha = bottom.pop("alpha")
+    two = dataclasses.replace(
+        one,
+        alpha=Widths(one.alpha, one.alpha),
         kind=f"{kind}_anisotropic",
         bottom={"alpha_u": alpha, "alpha_v": alpha, **bottom},
     )
@@ -128,20 +117,3 @@ def test_equal_widths_give_the_walks_of_one_width(kind: str, coats: int) -> None
     f_two, se_two = walk_pairs(two, row, wi, wo, walks=256, seed=9)
     np.testing.assert_allclose(f_two, f, rtol=1e-6)
     np.testing.assert_allclose(se_two, se, rtol=1e-5)
-
-
-def test_channels_of_different_widths_are_stacks_of_their_own() -> None:
-    wi, wo = pairs_above(20, 9, 0.1)
-    both = STACKS["both"]
-    f = simulate(both, wi, wo, walks=256, seed=1, progress=False)[0]
-    for channel in range(3):
-        bottom = conductor(
-            eta=1.6 * both.bottom.eta[channel],  # in air
-            k=1.6 * both.bottom.k[channel],
-            alpha_u=0.4,
-            alpha_v=both.bottom.alpha_v[channel],
-        )
-        table = from_stack(coat(bottom, None, 1.6, alpha_u=0.1, alpha_v=0.6))
-        alone, se = walk_pairs(table, np.zeros(20, np.uint32), wi, wo, walks=1 << 12, seed=2)
-        # 256 walks of the three channels against 4096 of one: 17 times their variance.
-        assert np.all(np.abs(f[:, channel] - alone) < 5 * np.sqrt(17) * se + 1e-4 * alone)
