@@ -1,20 +1,16 @@
 """Bottoms of the walk: samples follow their densities, and known limits are reached."""
 
-from dataclasses import dataclass
-
 import drjit as dr
 import numpy as np
 import pytest
 from tests.directions import pairs_above
 
-from urushi.app.describe import describe
 from urushi.core import microfacet
 from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.random import stream
 from urushi.train.distribution import Extended
-from urushi.walk import analytic, coat, monte_carlo, simulate
-from urushi.walk.bottoms import KINDS, MAKERS, Description
-from urushi.walk.bottoms.bottom import Family, maker
+from urushi.walk import monte_carlo
+from urushi.walk.bottoms import KINDS
 from urushi.walk.bottoms.conductor import SchlickConductor
 from urushi.walk.bottoms.measured_like import MeasuredLike
 from urushi.walk.bottoms.mixture import Mixture
@@ -117,42 +113,3 @@ def test_beckmann_lobe_is_mitsubas(variant):
     ours = Mixture(zero, zero, alpha, one, one, alpha, one).f_pdf(wi, wo)[0] * wo.z
     # Mitsuba's rational fit of Smith's term has the same coefficients, so only float32 differs.
     np.testing.assert_allclose(ours.numpy(), theirs, rtol=2e-3, atol=1e-6)
-
-
-def test_a_new_bottom_is_one_class_and_its_description() -> None:
-    """Tables, descriptions in text, coats and the walk find a bottom that nothing else names."""
-
-    class Lommel(Family, kind="lommel"):  # Lommel-Seeliger: f = w / (4 pi (cos_i + cos_o))
-        parameters = ("w",)
-
-        def __init__(self, w):
-            self.w = w
-
-        def f_pdf(self, wi, wo):
-            valid = (wi.z > 0) & (wo.z > 0)
-            f = self.w / (4 * dr.pi * (wi.z + wo.z))
-            return dr.select(valid, f, 0), dr.select(valid, wo.z * dr.inv_pi, 0)
-
-        def sample(self, wi, u0, u1, u2):
-            wo = square_to_cosine_hemisphere(type(wi), u1, u2)
-            return wo, self.f_pdf(wi, wo)[0] * dr.pi, wo.z * dr.inv_pi
-
-    @dataclass(frozen=True)
-    class Dust(Description):
-        w: float | tuple[float, float, float]
-
-        @property
-        def kind(self) -> str:
-            return "lommel"
-
-    try:
-        maker(type("dust", (Dust,), {}))
-        bottom = describe("dust(w=(0.2, 0.4, 0.8))")
-        wi, wo = np.float32([[0.6, 0, 0.8]]), np.float32([[0, 0.8, 0.6]])
-        expected = np.array([[0.2, 0.4, 0.8]]) / (4 * np.pi * 1.4)
-        np.testing.assert_allclose(analytic.f(bottom, wi, wo), expected, rtol=1e-5)
-        f, se = simulate(coat(bottom, 0.01, 1), wi, wo, walks=1 << 14, progress=False)
-        np.testing.assert_array_less(np.abs(f - expected), 5 * se + 1e-5 * expected)
-    finally:
-        for register, name in ((KINDS, "lommel"), (MAKERS, "dust")):
-            register.pop(name, None)
