@@ -81,8 +81,8 @@ function lossOf(at: Float64Array): Loss {
   for (let k = 0; k < last; k++)
     NODES.forEach((node, i) => {
       const share = 0.5 * (node + 1);
-      const loss = at[k]! + share * (at[k + 1]! - at[k]!);
-      mean += (2 * ((k + share) / last) ** 3 * WEIGHTS[i]! * loss) / last;
+      const loss = at[k] + share * (at[k + 1] - at[k]);
+      mean += (2 * ((k + share) / last) ** 3 * WEIGHTS[i] * loss) / last;
     });
   return { at, mean };
 }
@@ -116,5 +116,5 @@ export function mirrorLoss(alpha: number): Loss {
     const width = (least + node * step) ** 2;
     return Float64Array.from(COSINES, (cosine) => 1 - shares(width, MIRRORS.MIRROR, cosine)[0]);
   }) as [Float64Array, Float64Array];
-  return lossOf(low.map((loss, k) => loss + (place - first) * (high[k]! - loss)));
+  return lossOf(low.map((loss, k) => loss + (place - first) * (high[k] - loss)));
 }

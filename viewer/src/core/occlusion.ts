@@ -67,28 +67,25 @@ export function occlusion(
     for (let i = 0; i < count; i++) {
       const at = stride * i;
       const cosine =
-        vertices[at + 3]! * direction[0] +
-        vertices[at + 4]! * direction[1] +
-        vertices[at + 5]! * direction[2];
+        vertices[at + 3] * direction[0] +
+        vertices[at + 4] * direction[1] +
+        vertices[at + 5] * direction[2];
       const weight = Math.abs(cosine);
-      cosines[i]! += weight;
+      cosines[i] += weight;
       const lost = weight * map.hidden(i, cosine);
       if (lost === 0) continue;
-      for (let k = 0; k < 3; k++) hidden[4 * i + k]! += Math.sign(cosine) * lost * direction[k]!;
-      hidden[4 * i + 3]! += lost;
+      for (let k = 0; k < 3; k++) hidden[4 * i + k] += Math.sign(cosine) * lost * direction[k];
+      hidden[4 * i + 3] += lost;
     }
   }
   const openings = new Float32Array(4 * count);
   for (let i = 0; i < count; i++) {
     // All directions by their cosines sum up to two thirds of the cosines' sum, along the normal.
     const bent = [0, 1, 2].map(
-      (k) => (2 / 3) * cosines[i]! * vertices[stride * i + 3 + k]! - hidden[4 * i + k]!,
+      (k) => (2 / 3) * cosines[i] * vertices[stride * i + 3 + k] - hidden[4 * i + k],
     );
     const length = Math.hypot(...bent) || 1;
-    openings.set(
-      [...bent.map((part) => part / length), 1 - hidden[4 * i + 3]! / cosines[i]!],
-      4 * i,
-    );
+    openings.set([...bent.map((part) => part / length), 1 - hidden[4 * i + 3] / cosines[i]], 4 * i);
   }
   return { openings, shadows };
 }
@@ -115,8 +112,8 @@ class DepthMap {
     const axes = [0, 1, 2].map((k) => {
       let [low, high] = [Infinity, -Infinity];
       for (let at = k; at < vertices.length; at += stride) {
-        low = Math.min(low, vertices[at]!);
-        high = Math.max(high, vertices[at]!);
+        low = Math.min(low, vertices[at]);
+        high = Math.max(high, vertices[at]);
       }
       return { middle: (low + high) / 2, half: (high - low) / 2 };
     });
@@ -133,12 +130,12 @@ class DepthMap {
       axis[0] * right[1] - axis[1] * right[0],
     ];
     [right, up, axis].forEach(([a, b, c], k) => {
-      const middle = (a * centre[0]! + b * centre[1]! + c * centre[2]!) * scale - SIDE / 2;
+      const middle = (a * centre[0] + b * centre[1] + c * centre[2]) * scale - SIDE / 2;
       this.fromGround[k] = [a * scale, b * scale, -middle];
       for (let i = 0; i < this.count; i++) {
         const at = stride * i;
-        const along = a * vertices[at]! + b * vertices[at + 1]! + c * vertices[at + 2]!;
-        const slant = a * vertices[at + 3]! + b * vertices[at + 4]! + c * vertices[at + 5]!;
+        const along = a * vertices[at] + b * vertices[at + 1] + c * vertices[at + 2];
+        const slant = a * vertices[at + 3] + b * vertices[at + 4] + c * vertices[at + 5];
         places[6 * i + k] = along * scale - middle;
         places[6 * i + 3 + k] = BIAS * slant;
       }
@@ -146,7 +143,7 @@ class DepthMap {
     this.highest.fill(-Infinity);
     this.lowest.fill(Infinity);
     for (let at = 0; at < faces.length; at += 3)
-      this.cover(6 * faces[at]!, 6 * faces[at + 1]!, 6 * faces[at + 2]!);
+      this.cover(6 * faces[at], 6 * faces[at + 1], 6 * faces[at + 2]);
   }
 
   /** Set the texels of a square on the ground that the mesh hides from the axis' upper end. */
@@ -160,16 +157,16 @@ class DepthMap {
       const column = Math.floor(ax * x + bx * y + cx);
       const row = Math.floor(ay * x + by * y + cy);
       if (column < 0 || row < 0 || column >= SIDE || row >= SIDE) continue;
-      if (highest[SIDE * row + column]! > -Infinity) shadow[at] = 255;
+      if (highest[SIDE * row + column] > -Infinity) shadow[at] = 255;
     }
   }
 
   /** Keep the depths of a triangle at the middles of texels. */
   private cover(a: number, b: number, c: number): void {
     const { places, highest, lowest } = this;
-    const [ax, ay, az] = [places[a]!, places[a + 1]!, places[a + 2]!];
-    const [bx, by, bz] = [places[b]! - ax, places[b + 1]! - ay, places[b + 2]! - az];
-    const [cx, cy, cz] = [places[c]! - ax, places[c + 1]! - ay, places[c + 2]! - az];
+    const [ax, ay, az] = [places[a], places[a + 1], places[a + 2]];
+    const [bx, by, bz] = [places[b] - ax, places[b + 1] - ay, places[b + 2] - az];
+    const [cx, cy, cz] = [places[c] - ax, places[c + 1] - ay, places[c + 2] - az];
     const left = Math.ceil(ax + Math.min(0, bx, cx) - 0.5);
     const right = Math.floor(ax + Math.max(0, bx, cx) - 0.5);
     if (right < left) return; // most triangles are smaller than texels
@@ -185,8 +182,8 @@ class DepthMap {
         if (u < -1e-6 || v < -1e-6 || u + v > 1 + 1e-6) continue;
         const depth = az + u * bz + v * cz;
         const texel = SIDE * row + column;
-        if (depth > highest[texel]!) highest[texel] = depth;
-        if (depth < lowest[texel]!) lowest[texel] = depth;
+        if (depth > highest[texel]) highest[texel] = depth;
+        if (depth < lowest[texel]) lowest[texel] = depth;
       }
   }
 
@@ -194,15 +191,15 @@ class DepthMap {
   hidden(vertex: number, cosine: number): number {
     const { places } = this;
     const at = 6 * vertex;
-    const x = places[at]! + places[at + 3]! - 0.5;
-    const y = places[at + 1]! + places[at + 4]! - 0.5;
-    const depth = places[at + 2]! + places[at + 5]!;
+    const x = places[at] + places[at + 3] - 0.5;
+    const y = places[at + 1] + places[at + 4] - 0.5;
+    const depth = places[at + 2] + places[at + 5];
     const [column, row] = [Math.floor(x), Math.floor(y)];
     const [right, up] = [x - column, y - row];
     const [map, sign] = cosine > 0 ? [this.highest, 1] : [this.lowest, -1];
     let share = 0;
     for (let k = 0; k < 4; k++) {
-      const above = sign * (map[SIDE * (row + (k >> 1)) + column + (k & 1)]! - depth);
+      const above = sign * (map[SIDE * (row + (k >> 1)) + column + (k & 1)] - depth);
       if (above > 0)
         share += (k & 1 ? right : 1 - right) * (k >> 1 ? up : 1 - up) * Math.min(above, 1);
     }

@@ -4,14 +4,7 @@ import { FileError } from "./safetensors";
 
 type Call = { id: number; name: string; args: unknown[] };
 
-type Answer = { id: number } & (
-  | { share: number }
-  | { result: unknown }
-  | { error: { name: string; message: string } }
-);
-
-/** Is told the share of a call that is done, from 0 to 1. */
-export type Told = (share: number) => void;
+type Answer = { id: number } & ({ result: unknown } | { error: { name: string; message: string } });
 
 /** A worker, or its side of the messages. */
 interface Port {
@@ -19,13 +12,12 @@ interface Port {
   addEventListener(type: "message", listener: (event: { data: never }) => void): void;
 }
 
-/** Answer the calls that arrive at this worker, by the names of functions; `Told` follows the arguments. */
+/** Answer the calls that arrive at this worker, by the names of functions. */
 export function serve(functions: Record<string, (...args: never[]) => unknown>): void {
   const port = self as unknown as Port;
   port.addEventListener("message", async ({ data: { id, name, args } }: { data: Call }) => {
-    const told: Told = (share) => port.postMessage({ id, share }, []);
     try {
-      const result = await (functions[name] as (...args: unknown[]) => unknown)(...args, told);
+      const result = await (functions[name] as (...args: unknown[]) => unknown)(...args);
       port.postMessage({ id, result }, buffersOf(result));
     } catch (error) {
       const { name, message } = error instanceof Error ? error : new Error(String(error));
@@ -44,12 +36,7 @@ function buffersOf(value: unknown): ArrayBuffer[] {
 interface Promised {
   resolve(result: never): void;
   reject(error: Error): void;
-  told: Told | undefined;
 }
-
-/** What a function gets but for `Told` at the end. */
-type Arguments<Call extends (...args: never[]) => unknown> =
-  Parameters<Call> extends [...infer All, told?: Told] ? All : Parameters<Call>;
 
 /** The functions of a worker. */
 export class Remote<All extends { [Name in keyof All]: (...args: never[]) => unknown }> {
@@ -59,7 +46,6 @@ export class Remote<All extends { [Name in keyof All]: (...args: never[]) => unk
   constructor(private readonly port: Port) {
     port.addEventListener("message", ({ data }: { data: Answer }) => {
       const promised = this.promised.get(data.id);
-      if ("share" in data) return promised?.told?.(data.share);
       this.promised.delete(data.id);
       if ("result" in data) return promised?.resolve(data.result as never);
       const { name, message } = data.error;
@@ -70,13 +56,12 @@ export class Remote<All extends { [Name in keyof All]: (...args: never[]) => unk
   /** @param transfer what is given away and not copied. */
   call<Name extends keyof All & string>(
     name: Name,
-    args: Arguments<All[Name]>,
+    args: Parameters<All[Name]>,
     transfer: Transferable[] = [],
-    told?: Told,
   ): Promise<Awaited<ReturnType<All[Name]>>> {
     const id = this.count++;
     return new Promise((resolve, reject) => {
-      this.promised.set(id, { resolve, reject, told });
+      this.promised.set(id, { resolve, reject });
       this.port.postMessage({ id, name, args }, transfer);
     });
   }

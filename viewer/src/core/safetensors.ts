@@ -112,7 +112,7 @@ export function tensorFile(
   new DataView(file.buffer).setBigUint64(0, BigInt(start - 8), true);
   file.set(text, 8);
   Object.values(arrays).forEach(({ bytes }, k) => {
-    file.set(bytes, start + entries[k]![1].data_offsets[0]!);
+    file.set(bytes, start + entries[k][1].data_offsets[0]);
   });
   return file;
 }

@@ -39,8 +39,8 @@ async function openFile(file: File): Promise<void> {
     );
     useEnvironment(file.name, { file, ...own });
   } else if (MESHES.includes(suffix!)) {
-    const mesh = await asTask("Reading the mesh", (end, told) =>
-      byOwnWorker((files) => files.call("readMesh", [bytes, suffix!], [bytes.buffer], told), end),
+    const mesh = await asTask("Reading the mesh", (end) =>
+      byOwnWorker((files) => files.call("readMesh", [bytes, suffix!], [bytes.buffer]), end),
     );
     useMesh(file.name, mesh);
   } else if (suffix === "json") {

@@ -92,7 +92,7 @@ export function logsOfBytes(bytes: Uint8Array<ArrayBuffer>): Float32Array {
   const repeated = (2 * TABLE_SIZE) / bytes.length;
   const bits = new Uint16Array(bytes.buffer);
   const logs = Float32Array.from({ length: TABLE_SIZE }, (_, at) =>
-    fromHalf(bits[Math.floor(at / repeated)]!),
+    fromHalf(bits[Math.floor(at / repeated)]),
   );
   if ((repeated !== 1 && repeated !== CHANNELS) || !logs.every(Number.isFinite))
     throw new Refusal("The table of the material is damaged.");

@@ -121,9 +121,7 @@ export class Session {
     const isShown = () => mesh === this.mesh.peek();
     this.painter.ready = occlusionOf(mesh)
       .then((occlusion) => {
-        if (!isShown()) return;
-        this.renderer?.setOcclusion(occlusion);
-        this.painter.refresh();
+        if (isShown()) this.renderer?.setOcclusion(occlusion);
       })
       .catch(complain)
       .finally(() => {

@@ -36,7 +36,7 @@ export function thumbnailOf(material: MaterialCards): Promise<ImageBitmap | null
 
 /** Draw one after the other by one renderer, which is given back at last. */
 async function drawAll(): Promise<void> {
-  for (; waiting.length > 0; waiting.shift()) await waiting[0]!();
+  for (; waiting.length > 0; waiting.shift()) await waiting[0]();
   renderer?.dispose();
   renderer = null;
 }

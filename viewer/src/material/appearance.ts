@@ -2,7 +2,7 @@
 
 import type { Channels } from "../core/api";
 import { medium } from "../core/formulas";
-import { joined, type Rgb, rgb } from "./channels";
+import { each, joined, type Rgb, rgb } from "./channels";
 
 /** A medium by its appearance, at thickness 1. */
 export interface Look {
@@ -27,31 +27,29 @@ export function physicsOf(coat: Medium): Physics {
   if ("sigmaT" in coat) return { albedo: coat.albedo, sigmaT: coat.sigmaT };
   const out = new Float64Array(6);
   const [color, body, bodyColor, g] = [coat.color, coat.body, coat.bodyColor, coat.g].map(rgb);
-  for (let k = 0; k < 3; k++) medium(color![k]!, body![k]!, bodyColor![k]!, g![k]!, out, 2 * k);
-  const of = (at: number) => joined([out[at]!, out[2 + at]!, out[4 + at]!]);
-  return { albedo: of(0), sigmaT: of(1) };
+  for (let k = 0; k < 3; k++) medium(color![k], body![k], bodyColor![k], g![k], out, 2 * k);
+  return { albedo: joined(each((k) => out[2 * k])), sigmaT: joined(each((k) => out[2 * k + 1])) };
 }
 
 /** The appearance of a medium: of a clear dye if nothing scatters, otherwise of a paint. */
 export function lookOf(coat: Medium): Look {
   if ("color" in coat) return { color: coat.color, body: coat.body, bodyColor: coat.bodyColor };
   const [albedo, depth, g] = [rgb(coat.albedo), rgb(coat.sigmaT), rgb(coat.g)];
-  const each = (one: (k: number) => number) => joined([one(0), one(1), one(2)]);
   if (Math.max(...albedo) === 0)
-    return { color: each((k) => Math.exp(-2 * depth[k]!)), body: 0, bodyColor: 0.8 };
-  const pigment = (k: number) => depth[k]! * (1 - albedo[k]! * g[k]!);
+    return { color: joined(each((k) => Math.exp(-2 * depth[k]))), body: 0, bodyColor: 0.8 };
+  const pigment = (k: number) => depth[k] * (1 - albedo[k] * g[k]);
   return {
     color: 1,
-    body: each((k) => pigment(k) / (4 / 3 + pigment(k))),
-    bodyColor: each((k) => deepReflectance(albedo[k]!, g[k]!)),
+    body: joined(each((k) => pigment(k) / (4 / 3 + pigment(k)))),
+    bodyColor: joined(each((k) => deepReflectance(albedo[k], g[k]))),
   };
 }
 
 /** Dye and pigment of one colour: the dye is the paler the more the pigment hides. */
 function dyed(colour: Channels, body: Channels): Look {
   const [c, hidden] = [rgb(colour), rgb(body)];
-  const color = [0, 1, 2].map((k) => Number((c[k]! ** (1 - hidden[k]!)).toFixed(4)));
-  return { color: joined(color as unknown as Rgb), body, bodyColor: colour };
+  const color = each((k) => Number((c[k] ** (1 - hidden[k])).toFixed(4)));
+  return { color: joined(color), body, bodyColor: colour };
 }
 
 /** A coat of one colour, whose opacity stays. */
@@ -62,7 +60,7 @@ export function withColour<Coat extends Medium>(coat: Coat, colour: Channels): C
 /** The colour of which dye and pigment are, or a dye alone that is not clear; otherwise null. */
 function oneColour({ color, body, bodyColor }: Look): Channels | null {
   const dye = rgb(dyed(bodyColor, body).color);
-  if (rgb(color).every((x, k) => Math.abs(x - dye[k]!) < 0.002)) return bodyColor;
+  if (rgb(color).every((x, k) => Math.abs(x - dye[k]) < 0.002)) return bodyColor;
   return Math.max(...rgb(body)) === 0 && color !== 1 ? color : null;
 }
 
@@ -85,18 +83,15 @@ function withLook<Coat extends Medium>(coat: Coat, look: Look): Coat {
 
 /** How much of what lies below a medium of a thickness hides, in each channel. */
 export function hiddenBy(coat: Medium, thickness: number): Rgb {
-  const one = (share: number) => (thickness * share) / (1 + (thickness - 1) * share + 1e-9);
-  const [red, green, blue] = rgb(lookOf(coat).body);
-  return [one(red), one(green), one(blue)];
+  const body = rgb(lookOf(coat).body);
+  return each((k) => (thickness * body[k]) / (1 + (thickness - 1) * body[k] + 1e-9));
 }
 
 /** About the colour of a medium of a thickness over a reflectance, white if left out. */
 export function colourOver(coat: Medium, thickness: number, below: Rgb = [1, 1, 1]): Rgb {
   const { color, bodyColor } = lookOf(coat);
   const [clear, hidden, pigment] = [rgb(color), hiddenBy(coat, thickness), rgb(bodyColor)];
-  const one = (k: number) =>
-    clear[k]! ** thickness * ((1 - hidden[k]!) * below[k]! + hidden[k]! * pigment[k]!);
-  return [one(0), one(1), one(2)];
+  return each((k) => clear[k] ** thickness * ((1 - hidden[k]) * below[k] + hidden[k] * pigment[k]));
 }
 
 /** Reflectance of an infinitely deep medium (van de Hulst 1980). */

@@ -11,6 +11,11 @@ export function rgb(value: Channels): Rgb {
   return typeof value === "number" ? [value, value, value] : value;
 }
 
+/** Three numbers by a function of the channel. */
+export function each(of: (channel: number) => number): Rgb {
+  return [of(0), of(1), of(2)];
+}
+
 /** One number if all three agree, otherwise the three. */
 export function joined(value: Rgb): Channels {
   return value[0] === value[1] && value[1] === value[2] ? value[0] : value;
@@ -18,13 +23,11 @@ export function joined(value: Rgb): Channels {
 
 /** Every channel of a value by a function, as one number where it is one. */
 export function mapped(value: Channels, change: (x: number) => number): Channels {
-  if (typeof value === "number") return change(value);
-  const [red, green, blue] = rgb(value);
-  return [change(red), change(green), change(blue)];
+  return typeof value === "number" ? change(value) : each((k) => change(value[k]));
 }
 
 /** Quotient of each channel, as one number if all three agree. */
 export function quotient(a: Channels, b: Channels): Channels {
   const [x, y] = [rgb(a), rgb(b)];
-  return joined([x[0] / y[0], x[1] / y[1], x[2] / y[2]]);
+  return joined(each((k) => x[k] / y[k]));
 }

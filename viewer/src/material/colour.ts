@@ -1,6 +1,6 @@
 /** Colours on screen for linear values, and back. */
 
-import type { Rgb } from "./channels";
+import { each, type Rgb } from "./channels";
 
 /** sRGB's curve, of a linear value in [0, 1]. */
 export function encoded(linear: number): number {
@@ -25,9 +25,8 @@ export function hex(colour: Rgb): string {
 
 /** Linear values, with three digits, of "#rrggbb". */
 export function fromHex(text: string): Rgb {
-  const [red, green, blue] = [1, 3, 5].map((at) => {
-    const linear = decoded(Number.parseInt(text.slice(at, at + 2), 16) / 255);
+  return each((k) => {
+    const linear = decoded(Number.parseInt(text.slice(1 + 2 * k, 3 + 2 * k), 16) / 255);
     return Number(linear.toFixed(3));
-  }) as [number, number, number];
-  return [red, green, blue];
+  });
 }

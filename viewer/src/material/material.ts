@@ -4,7 +4,7 @@ import type { Bottom, Channels, Coat, Stack } from "../core/api";
 import { CHECKS } from "../core/formulas";
 import { Refusal } from "../refusal";
 import { type Medium, physicsOf } from "./appearance";
-import { joined, mapped, quotient, type Rgb, rgb } from "./channels";
+import { each, joined, mapped, quotient, type Rgb, rgb } from "./channels";
 
 /** A coat by its absolute index of refraction, and by its medium as it was given. */
 export type CoatInAir = Omit<Coat, "eta" | "albedo" | "sigmaT" | "g"> &
@@ -82,9 +82,7 @@ export function reflectanceOf(bottom: MaterialCards["bottom"]): Rgb {
   if ("r0" in bottom) return rgb(bottom.r0);
   if (bottom.kind === "codes" || bottom.kind === "texels") return [0.5, 0.5, 0.5];
   const [eta, k] = "k" in bottom ? [rgb(bottom.eta), rgb(bottom.k)] : [rgb(bottom.ior), [0, 0, 0]];
-  const one = (at: number) =>
-    Number((1 - (4 * eta[at]!) / ((eta[at]! + 1) ** 2 + k[at]! ** 2)).toFixed(3));
-  return [one(0), one(1), one(2)];
+  return each((at) => Number((1 - (4 * eta[at]) / ((eta[at] + 1) ** 2 + k[at] ** 2)).toFixed(3)));
 }
 
 /** Whether a coat is part of the picture. */
@@ -114,15 +112,15 @@ export function seenOf(material: MaterialCards): { bottom: BottomInAir; coats: C
 /** The nearest index that is within the networks' range, relative to the medium above. */
 function nearestIndex(ior: Channels, above: Channels): Channels {
   const [low, high] = CHECKS.ETA_RANGE;
-  const media = rgb(above);
-  const [red, green, blue] = rgb(ior).map((index, k) => {
-    const near = Math.min(Math.max(index, low * media[k]!), high * media[k]!);
+  const [own, media] = [rgb(ior), rgb(above)];
+  const nearest = each((k) => {
+    const near = Math.min(Math.max(own[k], low * media[k]), high * media[k]);
     // Rounded towards the inside
-    return near === index
-      ? index
-      : Number((near * (near > index ? 1 + 1e-6 : 1 - 1e-6)).toFixed(6));
-  }) as [number, number, number];
-  return joined([red, green, blue]);
+    return near === own[k]
+      ? near
+      : Number((near * (near > own[k] ? 1 + 1e-6 : 1 - 1e-6)).toFixed(6));
+  });
+  return joined(nearest);
 }
 
 /**
@@ -164,7 +162,7 @@ function codesUnder(codes: Float32Array, index: Channels): Float32Array {
   return codes.map((number, at) => {
     const isIndex = at % size === 4 || at % size === 5;
     const channel = Math.floor(at / size);
-    return isIndex && codes[channel * size + 5]! > 0 ? number / rgb(index)[channel]! : number;
+    return isIndex && codes[channel * size + 5] > 0 ? number / rgb(index)[channel] : number;
   });
 }
 
@@ -179,7 +177,7 @@ function interfaceRatio(ior: Channels, above: Channels): Channels {
 export function widthRatio(surface: CoatInAir | BottomInAir | Coat | Bottom): number {
   if (!("alpha" in surface) || surface.alphaV === undefined) return 1;
   const across = rgb(surface.alphaV);
-  const ratios = rgb(surface.alpha).map((width, channel) => width / across[channel]!);
+  const ratios = rgb(surface.alpha).map((width, channel) => width / across[channel]);
   return Math.max(...ratios, ...ratios.map((ratio) => 1 / ratio));
 }
 

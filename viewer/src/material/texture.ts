@@ -92,8 +92,8 @@ export function readTexture(
     Array.from({ length: CHANNELS }, (_, colour) => {
       const first = same[number] ? 0 : shared + (channels === 1 ? 0 : colour) * stride;
       const at = (byte: number) => (byte < 0 ? -1 : first + byte);
-      const places = { high: at(high[number]!), low: at(low[number]!) };
-      return { lowest: lowest[number]!, step: step[number]!, ...places };
+      const places = { high: at(high[number]), low: at(low[number]) };
+      return { lowest: lowest[number], step: step[number], ...places };
     }),
   );
   return {
@@ -114,12 +114,12 @@ export function readTexture(
 export function meanCodes(texture: CodeTexture): Float32Array {
   const { texels, texelBytes, numbers } = texture;
   const sums = new Float64Array(texelBytes);
-  for (let at = 0; at < texels.length; at++) sums[at % texelBytes]! += texels[at]!;
+  for (let at = 0; at < texels.length; at++) sums[at % texelBytes] += texels[at];
   const mean = sums.map((sum) => (sum * texelBytes) / texels.length);
   const codes = new Float32Array(CHANNELS * numbers.length);
   numbers.forEach((channels, number) => {
     channels.forEach(({ lowest, step, high, low }, channel) => {
-      const steps = high < 0 ? 0 : low < 0 ? mean[high]! : 256 * mean[high]! + mean[low]!;
+      const steps = high < 0 ? 0 : low < 0 ? mean[high] : 256 * mean[high] + mean[low];
       codes[channel * numbers.length + number] = lowest + step * steps;
     });
   });

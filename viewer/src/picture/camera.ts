@@ -54,7 +54,7 @@ export function cameraOf(
   ];
   const [along, upward] = view.pan;
   const eye = mesh.centre.map(
-    (x, k) => x + distance * back[k]! - size * (along * side[k]! + upward * top[k]!),
+    (x, k) => x + distance * back[k] - size * (along * side[k] + upward * top[k]),
   ) as unknown as Vector;
   const near = distance - 1.5 * mesh.radius;
   const far = distance + 1.5 * mesh.radius;
@@ -65,17 +65,17 @@ export function cameraOf(
   ];
   const forward: Vector = [-back[0], -back[1], -back[2]];
   const depth = row(forward, 1);
-  const x = row(side, 1 / halfWidth).map((value, k) => value + jitter[0] * depth[k]!);
-  const y = row(top, 1 / halfHeight).map((value, k) => value + jitter[1] * depth[k]!);
+  const x = row(side, 1 / halfWidth).map((value, k) => value + jitter[0] * depth[k]);
+  const y = row(top, 1 / halfHeight).map((value, k) => value + jitter[1] * depth[k]);
   const z = row(forward, (far + near) / (far - near));
-  z[3]! -= (2 * far * near) / (far - near);
+  z[3] -= (2 * far * near) / (far - near);
   const rows = [x, y, z, depth];
   return {
     eye,
     right: [side[0] * halfWidth, side[1] * halfWidth, side[2] * halfWidth],
     up: [top[0] * halfHeight, top[1] * halfHeight, top[2] * halfHeight],
     forward,
-    projection: [0, 1, 2, 3].flatMap((column) => rows.map((values) => values[column]!)),
+    projection: [0, 1, 2, 3].flatMap((column) => rows.map((values) => values[column])),
   };
 }
 

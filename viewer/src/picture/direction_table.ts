@@ -33,11 +33,11 @@ export function directionTexels(
     const rows = table.subarray(8 * column * samples, 8 * (column + 1) * samples);
     const albedo = diffuse.subarray(4 * (column % cosines), 4 * (column % cosines) + 3);
     for (let at = 0; at < rows.length; at += 8) {
-      const [x, y, z] = [rows[at]! + along, rows[at + 1]! + across, rows[at + 2]! + cosine];
+      const [x, y, z] = [rows[at] + along, rows[at + 1] + across, rows[at + 2] + cosine];
       const length = Math.hypot(x, y, z) || 1;
-      const logPdf = Math.log2(Math.max(rows[at + 6]!, 1e-6));
-      const rest = albedo.map((d, k) => rows[at + 3 + k]! - d * diffuseWeight(rows, at));
-      for (let k = 0; k < 3; k++) last[4 * (columns + column) + k]! += rows[at + 3 + k]! / samples;
+      const logPdf = Math.log2(Math.max(rows[at + 6], 1e-6));
+      const rest = albedo.map((d, k) => rows[at + 3 + k] - d * diffuseWeight(rows, at));
+      for (let k = 0; k < 3; k++) last[4 * (columns + column) + k] += rows[at + 3 + k] / samples;
       const to = columns * at + 4 * column;
       texels.set([x / length, y / length, z / length, logPdf], to);
       texels.set(rest, to + 4 * columns);
@@ -50,7 +50,7 @@ export function directionTexels(
 
 /** The weight of a diffuse reflector of albedo 1 where the samples of a row were drawn. */
 function diffuseWeight(rows: Float32Array, at: number): number {
-  return rows[at + 6]! > 0 ? rows[at + 2]! / (Math.PI * rows[at + 6]!) : 0;
+  return rows[at + 6] > 0 ? rows[at + 2] / (Math.PI * rows[at + 6]) : 0;
 }
 
 /**
@@ -68,13 +68,13 @@ function diffusePart(table: Float32Array, { cosines, samples }: DirectionSizes):
       const to = 4 * (Math.floor(at / (8 * samples)) % cosines);
       const weight = diffuseWeight(table, at);
       for (let k = 0; k < 3; k++) {
-        if (table[at + 3 + k]! > ABOVE * weight * found[to + k]!) continue;
-        products[to + k]! += weight * table[at + 3 + k]!;
-        squares[to + k]! += weight * weight;
+        if (table[at + 3 + k] > ABOVE * weight * found[to + k]) continue;
+        products[to + k] += weight * table[at + 3 + k];
+        squares[to + k] += weight * weight;
       }
     }
     const sums = smoothed(squares, cosines);
-    found = smoothed(products, cosines).map((sum, at) => sum / Math.max(sums[at]!, 1e-9));
+    found = smoothed(products, cosines).map((sum, at) => sum / Math.max(sums[at], 1e-9));
   }
   return found;
 }
@@ -85,7 +85,7 @@ function smoothed(columns: Float32Array, cosines: number): Float32Array {
     const place = Math.floor(at / 4) % cosines;
     const half = Math.min(4, place >> 1, cosines - 1 - place);
     let sum = 0;
-    for (let step = -half; step <= half; step++) sum += columns[at + 4 * step]!;
+    for (let step = -half; step <= half; step++) sum += columns[at + 4 * step];
     return sum / (2 * half + 1);
   });
 }

@@ -129,7 +129,7 @@ export class Program {
 
 /** A source with texts in the place of its lines `#include NAME`. */
 export function included(source: string, texts: Record<string, string>): string {
-  return source.replace(/^#include (\S+)$/gm, (_line, name: string) => texts[name]!);
+  return source.replace(/^#include (\S+)$/gm, (_line, name: string) => texts[name]);
 }
 
 /** Draw over the whole viewport. */
@@ -173,14 +173,14 @@ export class Target {
     const places = formats.map((_, k) => gl.COLOR_ATTACHMENT0 + k);
     for (const [k, format] of formats.entries()) {
       if (samples > 0) {
-        addBuffer(format, places[k]!);
+        addBuffer(format, places[k]);
         continue;
       }
       const texture = gl.createTexture()!;
       gl.bindTexture(gl.TEXTURE_2D, texture);
       gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
       filters(gl, gl.TEXTURE_2D, filter, filter, gl.CLAMP_TO_EDGE);
-      gl.framebufferTexture2D(gl.FRAMEBUFFER, places[k]!, gl.TEXTURE_2D, texture, 0);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, places[k], gl.TEXTURE_2D, texture, 0);
       this.textures.push(texture);
     }
     if (hasDepth) addBuffer(gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT);

@@ -33,7 +33,7 @@ export class Ground {
 
   /** Share of the light, in each channel, in the square of `groundSize`. */
   get texture(): WebGLTexture {
-    return this.smooth.textures[0]!;
+    return this.smooth.textures[0];
   }
 
   /** Take over the shadows of `Occlusion`; none: the object casts none yet. */
@@ -76,7 +76,7 @@ export class Ground {
       target.bind();
       program.use(uniforms);
       cover(this.gl);
-      return target.textures[0]!;
+      return target.textures[0];
     };
     const light = { environment: map.texture, axes, turn, ...uniformsOf(lights) };
     const lit = draw(this.lit, this.hemisphere, light);

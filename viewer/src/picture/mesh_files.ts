@@ -1,8 +1,9 @@
 /** Meshes of files, by the loaders of three.js. The y axis is up, of PLY z. */
 
 import {
-  BufferAttribute,
+  type BufferAttribute,
   BufferGeometry,
+  Float32BufferAttribute,
   Group,
   Matrix3,
   Mesh as MeshObject,
@@ -12,9 +13,8 @@ import { GLTFLoader, type GLTFLoaderPlugin } from "three/addons/loaders/GLTFLoad
 import { OBJLoader } from "three/addons/loaders/OBJLoader.js";
 import { PLYLoader } from "three/addons/loaders/PLYLoader.js";
 import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
-import type { Told } from "../core/rpc";
 import { FileError } from "../core/safetensors";
-import { type Mesh, meshOfPart, type Part, VERTEX_NUMBERS } from "./meshes";
+import { joined, type Mesh, type Part, VERTEX_NUMBERS } from "./meshes";
 
 const MOST_TRIANGLES = 1_000_000;
 
@@ -25,21 +25,11 @@ const RADIUS = 0.7;
  * The mesh of a file, scaled, upright and on the ground.
  *
  * @param suffix "obj", "gltf", "glb" or "ply".
- * @param told where the time goes with many triangles: a third each is the text of an .obj file, its
- *   equal corners, and all else.
  * @throws FileError if it is damaged, has no triangles or too many, or needs an extension.
  */
-export async function readMesh(
-  bytes: Uint8Array<ArrayBuffer>,
-  suffix: string,
-  told: Told = () => {},
-): Promise<Mesh> {
+export async function readMesh(bytes: Uint8Array<ArrayBuffer>, suffix: string): Promise<Mesh> {
   try {
-    const object = await READERS[suffix as keyof typeof READERS](bytes, told);
-    told(2 / 3);
-    const whole = placed(object);
-    told(5 / 6);
-    return meshOfPart(partOf(whole));
+    return joined([partOf(placed(await READERS[suffix as keyof typeof READERS](bytes)))]);
   } catch (error) {
     throw error instanceof FileError ? error : damaged();
   }
@@ -47,8 +37,7 @@ export async function readMesh(
 
 /** Readers of objects with z up. */
 const READERS = {
-  obj: async (bytes: Uint8Array, told: Told) =>
-    upright(readObj(new TextDecoder().decode(bytes), told)),
+  obj: async (bytes: Uint8Array) => upright(readObj(new TextDecoder().decode(bytes))),
   glb: readGltf,
   gltf: readGltf,
   ply: async (bytes: Uint8Array<ArrayBuffer>) => {
@@ -59,41 +48,15 @@ const READERS = {
 };
 
 /** A file of Wavefront; where it has no normals, each of its objects is smooth. */
-function readObj(text: string, told: Told): Group {
-  const group = new OBJLoader().parse(followed(text, (share) => told(share / 3)));
+function readObj(text: string): Group {
+  const group = new OBJLoader().parse(text);
   const hasNormals = /^\s*vn\s/m.test(text);
-  group.children.forEach((object, place, all) => {
-    told((1 + place / all.length) / 3);
-    if (!(object instanceof MeshObject)) return;
+  for (const object of group.children) {
+    if (!(object instanceof MeshObject)) continue;
     if (!hasNormals) object.geometry.deleteAttribute("normal");
     object.geometry = mergeVertices(object.geometry);
-  });
-  return group;
-}
-
-/** A text that tells which share of its lines was read: the loader trims one after the other. */
-function followed(text: string, told: Told): string {
-  const plain = text.replaceAll("\r\n", "\n").replaceAll("\\\n", ""); // as the loader
-  const lines = plain.split("\n");
-  const every = Math.ceil(lines.length / 50);
-  const followedLine = (line: string, at: number) =>
-    Object.assign(Object(line), {
-      trimStart() {
-        told(at / lines.length);
-        return line.trimStart();
-      },
-    });
-  for (let at = 0; at < lines.length; at += every) lines[at] = followedLine(lines[at]!, at);
-  return Object.assign(Object(plain), { split: () => lines });
-}
-
-function geometryOf(attributes: Record<string, number[]>, faces: number[]): BufferGeometry {
-  const geometry = new BufferGeometry();
-  for (const [name, numbers] of Object.entries(attributes)) {
-    const width = name === "uv" ? 2 : 3;
-    geometry.setAttribute(name, new BufferAttribute(Float32Array.from(numbers), width));
   }
-  return geometry.setIndex(new BufferAttribute(Uint32Array.from(faces), 1));
+  return group;
 }
 
 /** A file of glTF 2.0, without its materials. */
@@ -133,7 +96,7 @@ async function readGltf(bytes: Uint8Array<ArrayBuffer>): Promise<Group> {
 function bytesOfUri(uri: string): ArrayBuffer {
   if (!uri.startsWith("data:"))
     throw new FileError("Its data lie in another file; export it as .glb.");
-  return Uint8Array.from(atob(uri.split(",")[1]!), (character) => character.charCodeAt(0)).buffer;
+  return Uint8Array.from(atob(uri.split(",")[1]), (character) => character.charCodeAt(0)).buffer;
 }
 
 /** Extensions that the loader reads without further files. */
@@ -178,7 +141,11 @@ function placed(root: MeshObject | Group): BufferGeometry {
   checkCount(faces.length / 3);
   const last = position.length / 3;
   if (!position.every(Number.isFinite) || !faces.every((k) => k < last)) throw damaged();
-  const whole = geometryOf({ position, normal, uv }, faces);
+  const whole = new BufferGeometry()
+    .setAttribute("position", new Float32BufferAttribute(position, 3))
+    .setAttribute("normal", new Float32BufferAttribute(normal, 3))
+    .setAttribute("uv", new Float32BufferAttribute(uv, 2))
+    .setIndex(faces);
   whole.computeBoundingBox();
   const { min, max } = whole.boundingBox!;
   const size = max.distanceTo(min) / 2;

@@ -81,7 +81,7 @@ function ballOutline(place: number): Point {
 function splineOutline(control: readonly Point[]): Outline {
   const last = control.length - 1;
   const mirrored = ([radius, height]: Point): Point => [-radius, height];
-  const all = [mirrored(control[1]!), ...control, mirrored(control[last - 1]!)];
+  const all = [mirrored(control[1]), ...control, mirrored(control[last - 1])];
   return (place) => {
     const t = place * last;
     const first = Math.min(Math.floor(t), last - 1);
@@ -114,8 +114,8 @@ function weighted(weights: number[], points: readonly Point[]): Point {
   let radius = 0;
   let height = 0;
   points.forEach((point, place) => {
-    radius += weights[place]! * point[0];
-    height += weights[place]! * point[1];
+    radius += weights[place] * point[0];
+    height += weights[place] * point[1];
   });
   return [radius, height];
 }
@@ -131,7 +131,7 @@ function tube(control: Tube): Surface {
     for (let i = 0; i < 4; i++)
       for (let k = 0; k < 4; k++)
         for (let axis = 0; axis < 3; axis++)
-          point[axis]! += along[i]! * across[k]! * control[3 * first + i]![k]![axis]!;
+          point[axis] += along[i] * across[k] * control[3 * first + i][k][axis];
     return [point[0], u < 0.5 ? point[1] : -point[1], point[2]];
   };
 }
@@ -213,11 +213,6 @@ export interface Part {
   faces: ArrayLike<number>;
 }
 
-/** The mesh of one part. */
-export function meshOfPart(part: Part): Mesh {
-  return joined([part]);
-}
-
 /** A grid of a surface that closes around; normals by finite differences, outwards; uv is (u, v). */
 function surface(at: Surface, around: number, along: number): Part {
   const vertices: number[] = [];
@@ -248,7 +243,7 @@ function surface(at: Surface, around: number, along: number): Part {
 }
 
 /** Parts as one mesh. */
-function joined(parts: Part[]): Mesh {
+export function joined(parts: readonly Part[]): Mesh {
   const of = (name: keyof Part) => parts.reduce((sum, part) => sum + part[name].length, 0);
   const vertices = new Float32Array(of("vertices"));
   const tangents = new Float32Array(of("tangents"));
@@ -264,10 +259,10 @@ function joined(parts: Part[]): Mesh {
   const high = [-Infinity, -Infinity, -Infinity];
   for (let at = 0; at < vertices.length; at += VERTEX_NUMBERS)
     for (let axis = 0; axis < 3; axis++) {
-      low[axis] = Math.min(low[axis]!, vertices[at + axis]!);
-      high[axis] = Math.max(high[axis]!, vertices[at + axis]!);
+      low[axis] = Math.min(low[axis], vertices[at + axis]);
+      high[axis] = Math.max(high[axis], vertices[at + axis]);
     }
-  const centre = [0, 1, 2].map((axis) => (low[axis]! + high[axis]!) / 2);
+  const centre = [0, 1, 2].map((axis) => (low[axis] + high[axis]) / 2);
   let [radius, width] = [0, 0];
   for (let at = 0; at < vertices.length; at += VERTEX_NUMBERS) {
     const [x, y] = [vertices[at] - centre[0], vertices[at + 1] - centre[1]];
@@ -278,9 +273,9 @@ function joined(parts: Part[]): Mesh {
     vertices,
     tangents,
     faces,
-    centre: [centre[0]!, centre[1]!, centre[2]!],
+    centre: [centre[0], centre[1], centre[2]],
     radius,
     width,
-    halfHeight: (high[2]! - low[2]!) / 2,
+    halfHeight: (high[2] - low[2]) / 2,
   };
 }

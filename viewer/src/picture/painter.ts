@@ -18,7 +18,7 @@ const FIRST_COST = { card: 60, software: 3000 };
 
 /** Least frames of a picture at rest where each takes long, and the shaded pixels of all its frames. */
 const SLOW_FRAMES = 6;
-const SLOW_PIXELS = 0.8e6;
+const SLOW_PIXELS = 0.55e6;
 
 /** Frames for one of a table, where a texture of codes is decoded: they have fewer directions. */
 const TEXTURE_FRAMES = 3;
@@ -45,8 +45,8 @@ export class Painter {
   ready: Promise<unknown> = Promise.resolve();
   private renderer: Renderer | null = null;
   private shot: Shot | null = null;
-  /** Milliseconds for a million shaded pixels. */
-  private cost = FIRST_COST.card;
+  /** Milliseconds for a million shaded pixels: previews, which shade few, take most for all else. */
+  private readonly cost = { moving: 0, resting: 0 };
   private slow = false;
   private changedAt = Number.NEGATIVE_INFINITY;
   private dirty = true;
@@ -67,7 +67,8 @@ export class Painter {
     this.renderer = renderer;
     this.uploaded.fill("");
     this.slow = renderer?.isSoftware ?? false;
-    this.cost = this.slow ? FIRST_COST.software : FIRST_COST.card;
+    const first = this.slow ? FIRST_COST.software : FIRST_COST.card;
+    Object.assign(this.cost, { moving: first, resting: first });
     this.refresh();
   }
 
@@ -152,7 +153,8 @@ export class Painter {
       this.resting = true;
       this.count = 0;
     }
-    if (this.count >= this.frames) {
+    const { frames } = this.plan(renderer, shot);
+    if (this.count >= frames) {
       this.converged.value = true;
       return false;
     }
@@ -163,46 +165,42 @@ export class Painter {
       }
     if (await this.improve(renderer, shot, slots)) {
       this.count++;
-      this.gathered.value = this.count / this.frames;
+      this.gathered.value = this.count / frames;
     }
     return true;
   }
 
-  /** Frames of a picture at rest. */
-  private get frames(): number {
-    const { shot, renderer } = this;
-    if (renderer === null || shot === null) return MOST_TABLES;
-    const textured = shownSlots(shot).every((slot) => this.slots[slot].texture !== null);
-    const most = textured ? TEXTURE_FRAMES * MOST_TABLES : MOST_TABLES;
-    if (!this.slow) return most;
-    const many = Math.round(SLOW_PIXELS / renderer.pixels(shot));
-    return Math.min(Math.max(many, SLOW_FRAMES), most);
-  }
-
-  /** Width of the shading at rest relative to the canvas. */
-  private restingScale(renderer: Renderer, shot: Shot): number {
-    if (!this.slow || shot.part !== undefined) return 1;
-    return Math.min(Math.sqrt(SLOW_PIXELS / (this.frames * renderer.pixels(shot))), 1);
+  /** Frames of a picture at rest, and the width of their shading relative to the canvas. */
+  private plan(renderer: Renderer, shot: Shot): { frames: number; scale: number } {
+    const isTexture = shownSlots(shot).every((slot) => this.slots[slot].texture !== null);
+    const most = isTexture ? TEXTURE_FRAMES * MOST_TABLES : MOST_TABLES;
+    if (!this.slow) return { frames: most, scale: 1 };
+    const whole = SLOW_PIXELS / renderer.pixels(shot);
+    const frames = Math.min(Math.max(Math.round(whole), SLOW_FRAMES), most);
+    return { frames, scale: shot.part ? 1 : Math.min(Math.sqrt(whole / frames), 1) };
   }
 
   /** Draw a frame at once, as large and with as many directions as time allows. */
   private async preview(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<void> {
     const pixels = renderer.pixels(shot) / 1e6;
     const cheap = SAVINGS.find(
-      ([scale, share]) => this.cost * pixels * scale ** 2 * share < MOVING,
+      ([scale, share]) => this.cost.moving * pixels * scale ** 2 * share < MOVING,
     );
     const [scale, share] = cheap ?? SAVINGS.at(-1)!;
     for (const slot of slots) this.upload(renderer, slot, null);
     renderer.draw(shot, scale, share);
-    this.learn(await renderer.finished(), pixels * scale ** 2 * share);
+    this.learn("moving", await renderer.finished(), pixels * scale ** 2 * share);
   }
 
   /** Gather a whole frame, strip by strip; false if something has changed meanwhile. */
   private async improve(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<boolean> {
-    const scale = this.restingScale(renderer, shot);
+    const { scale } = this.plan(renderer, shot);
     const pixels = (renderer.pixels(shot) / 1e6) * scale ** 2;
     for (const slot of slots) this.upload(renderer, slot, this.count);
-    const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), MOST_STRIPS);
+    const strips = Math.min(
+      Math.max(Math.ceil((this.cost.resting * pixels) / RESTING), 1),
+      MOST_STRIPS,
+    );
     let time = 0;
     for (const _ of renderer.drawFrame(shot, this.count, scale, 1, strips)) {
       time += await renderer.finished();
@@ -210,12 +208,12 @@ export class Painter {
     }
     time += await renderer.finished();
     this.measure(renderer, shot);
-    this.learn(time, pixels);
+    this.learn("resting", time, pixels);
     return this.resting;
   }
 
-  private learn(time: number, megapixels: number): void {
-    this.cost += (Math.max(time, 0) / megapixels - this.cost) * 0.5;
+  private learn(kind: "moving" | "resting", time: number, megapixels: number): void {
+    this.cost[kind] += (Math.max(time, 0) / megapixels - this.cost[kind]) * 0.5;
   }
 
   /** Give a renderer what a frame needs; count: of those that precede it at rest, null: it moves. */

@@ -42,7 +42,7 @@ const SAME_LIGHT = Math.cos((5 * Math.PI) / 180);
 /** The panorama without its small bright lights, and these. */
 export function withoutLights(panorama: Panorama): { panorama: Panorama; lights: Light[] } {
   const { width, height, pixels } = panorama;
-  const grey = (at: number) => (pixels[at]! + pixels[at + 1]! + pixels[at + 2]!) / 3;
+  const grey = (at: number) => (pixels[at] + pixels[at + 1] + pixels[at + 2]) / 3;
   let sum = 0;
   let weights = 0;
   for (let y = 0; y < height; y++) {
@@ -74,18 +74,18 @@ export function withoutLights(panorama: Panorama): { panorama: Panorama; lights:
         found.push(light);
       }
       for (let k = 0; k < 3; k++) {
-        const taken = pixels[at + k]! * (1 - limit / value);
-        light.power[k]! += taken * solidAngle;
-        light.sum[k]! += way[k]! * value * solidAngle;
-        kept[at + k]! -= taken;
+        const taken = pixels[at + k] * (1 - limit / value);
+        light.power[k] += taken * solidAngle;
+        light.sum[k] += way[k] * value * solidAngle;
+        kept[at + k] -= taken;
       }
       const length = Math.hypot(...light.sum);
       light.direction = light.sum.map((part) => part / length);
     }
   }
   const lights = found.map(({ direction, power }) => ({
-    direction: [direction[0]!, direction[1]!, direction[2]!] as const,
-    power: [power[0]!, power[1]!, power[2]!] as const,
+    direction: [direction[0], direction[1], direction[2]] as const,
+    power: [power[0], power[1], power[2]] as const,
   }));
   return { panorama: { width, height, pixels: kept }, lights };
 }

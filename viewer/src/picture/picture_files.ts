@@ -57,7 +57,7 @@ export function readPicture(bytes: Uint8Array, suffix: PanoramaSuffix): Panorama
     const row = Math.floor(place / width);
     const from = (isUpward ? height - 1 - row : row) * width + (place % width);
     for (let k = 0; k < 3; k++) {
-      const value = factor * data[4 * from + k]!;
+      const value = factor * data[4 * from + k];
       pixels[3 * place + k] = Number.isFinite(value) ? Math.max(value, 0) : 0;
     }
   }
@@ -90,13 +90,13 @@ function checkHeader(bytes: Uint8Array): void {
  * @throws RangeError if the file ends before them.
  */
 function checkRuns(rows: Uint8Array, { width, height }: { width: number; height: number }): void {
-  if (width < 8 || rows[0] !== 2 || rows[1] !== 2 || rows[2]! > 127) return; // no runs
+  if (width < 8 || rows[0] !== 2 || rows[1] !== 2 || rows[2] > 127) return; // no runs
   let at = 0;
   for (let row = 0; row < height; row++) {
     at += 4;
     for (let left = 4 * width; left > 0; ) {
       if (at >= rows.length) throw new RangeError();
-      const count = rows[at]!;
+      const count = rows[at];
       left -= count % 128 || 128;
       at += 1 + (count > 128 ? 1 : count);
     }

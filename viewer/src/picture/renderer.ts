@@ -167,8 +167,8 @@ export class Renderer {
       const shift = shiftOf(count);
       const seenFrom = ([, , wide, tall]: Box) =>
         cameraOf(mesh, shot.view, pane.width / (parts * height), [
-          (2 * shift[0]!) / wide,
-          (2 * shift[1]!) / tall,
+          (2 * shift[0]) / wide,
+          (2 * shift[1]) / tall,
         ]);
       /** Draw into a part from here on, which is emptied. */
       const begin = (target: Target, box: Box, part: Box) => {
@@ -182,15 +182,13 @@ export class Renderer {
       const images = [MIRROR_SCALE * Math.max(scale, 0.5), scale].map((size, k) => {
         const coarse = place.map((x) => Math.round(x * size)) as Box;
         const ratio = [coarse[2] / place[2], coarse[3] / place[3]] as const;
-        const from = [0, 1].map(
-          (k) => coarse[k]! + shift[k]! - (place[k]! + shift[k]!) * ratio[k]!,
-        );
+        const from = [0, 1].map((k) => coarse[k] + shift[k] - (place[k] + shift[k]) * ratio[k]);
         const margin = k === 1 ? 2 : MIRROR_MARGIN;
         return { coarse, part: around(clip, size, margin), map: [...from, ...ratio] };
       });
       const isAbove = camera.eye[2] > 0;
       for (const [isMirrored, { coarse, part }] of [true, false].map(
-        (x, k) => [x, images[k]!] as const,
+        (x, k) => [x, images[k]] as const,
       )) {
         if (isMirrored && !isAbove) continue;
         const from = isMirrored ? mirrored(seenFrom(coarse)) : seenFrom(coarse);
@@ -213,8 +211,8 @@ export class Renderer {
         }
       }
       begin(targets.many, place, clip);
-      this.drawBackdrop(camera, shot, isAbove ? images[0]!.map : null);
-      this.drawPaint(camera, images[1]!.map);
+      this.drawBackdrop(camera, shot, isAbove ? images[0].map : null);
+      this.drawPaint(camera, images[1].map);
       gl.disable(gl.SCISSOR_TEST);
     }
     this.gather(shot, count);
@@ -225,7 +223,7 @@ export class Renderer {
     const { gl, targets } = this;
     targets.resolve();
     targets.mean.bind();
-    this.blend.use({ frame: targets.frame.textures[0]! });
+    this.blend.use({ frame: targets.frame.textures[0] });
     // The later frames, whose levels are finer, weigh more.
     gl.blendColor(0, 0, 0, 2 / (count + 2));
     if (count > 0) gl.enable(gl.BLEND);
@@ -253,7 +251,7 @@ export class Renderer {
     const isPlain = background.startsWith("#");
     const bytes = [1, 3, 5].map((at) => Number.parseInt(background.slice(at, at + 2), 16));
     this.display.use({
-      picture: this.targets.mean.textures[0]!,
+      picture: this.targets.mean.textures[0],
       exposure: 2 ** exposure,
       tone: TONES.indexOf(tone),
       behind: isPlain ? [...bytes.map((x) => x / 255), 1] : [0, 0, 0, 0],
@@ -273,10 +271,10 @@ export class Renderer {
     let [sum, count, largest] = [0, 0, 0];
     const values = frame.read(width);
     for (let at = 0; at < values.length; at += 3)
-      if (values[at]! > 0) {
-        sum += values[at]!;
+      if (values[at] > 0) {
+        sum += values[at];
         count++;
-        largest = Math.max(largest, values[at]!);
+        largest = Math.max(largest, values[at]);
       }
     return { mean: sum / Math.max(count, 1), largest };
   }
@@ -326,7 +324,7 @@ export class Renderer {
       environment: map.texture,
       irradiance: map.irradiance,
       ground: this.ground.texture,
-      mirror: this.targets.mirror.textures[0]!,
+      mirror: this.targets.mirror.textures[0],
     });
     cover(this.gl);
   }
@@ -334,7 +332,7 @@ export class Renderer {
   /** Draw the mesh in the colours that were computed; toShaded: from pixels to them. */
   private drawPaint({ projection }: Camera, toShaded: number[]): void {
     const { gl, targets } = this;
-    const shaded = targets.shaded.textures[0]!;
+    const shaded = targets.shaded.textures[0];
     const near = 0.02 * this.mesh.radius;
     this.paint.use({ projection, shaded, ...targets.uniforms, toShaded, near });
     gl.enable(gl.CULL_FACE);

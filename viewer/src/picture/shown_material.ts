@@ -19,7 +19,7 @@ function lobeOf({ latents, table }: Material): Float32Array<ArrayBuffer> {
   return Float32Array.from({ length: numbers * CHANNELS }, (_, at) => {
     const [number, channel] = [Math.floor(at / CHANNELS), at % CHANNELS];
     const isFactor = number >= 1 && number <= 3; // those of a lobe that reflects nothing are zero
-    return isFactor && !table.besideLobe ? 0 : codes[channel]![number]!;
+    return isFactor && !table.besideLobe ? 0 : codes[channel][number];
   });
 }
 

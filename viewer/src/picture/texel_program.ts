@@ -67,7 +67,7 @@ export function tableTexels({ logs }: FTable): Float32Array {
     const [row, term] = [Math.floor(at / terms), at % terms];
     const [node, channel] = [Math.floor(row / CHANNELS), row % CHANNELS];
     const texel = (Math.floor(node / inner) * terms + term) * inner + (node % inner);
-    texels[4 * texel + channel] = logs[at]!;
+    texels[4 * texel + channel] = logs[at];
   }
   return texels;
 }
@@ -91,7 +91,7 @@ function uploaded(gl: Gl, codes: CodeTexture, layers: number): WebGLTexture {
   for (let layer = 0; layer < layers; layer++) {
     for (let texel = 0; texel < width * height; texel++) {
       const from = texel * texelBytes + 4 * layer;
-      for (let byte = 0; byte < 4; byte++) four[4 * texel + byte] = texels[from + byte]!;
+      for (let byte = 0; byte < 4; byte++) four[4 * texel + byte] = texels[from + byte];
     }
     gl.texSubImage3D(target, 0, 0, 0, layer, width, height, 1, gl.RGBA, gl.UNSIGNED_BYTE, four);
   }

@@ -7,7 +7,7 @@ export function minus(a: Vector, b: Vector): Vector {
 }
 
 export function dot(a: ArrayLike<number>, b: ArrayLike<number>): number {
-  return a[0]! * b[0]! + a[1]! * b[1]! + a[2]! * b[2]!;
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 export function cross(a: Vector, b: Vector): Vector {

@@ -51,7 +51,7 @@ function imageOf(texels: Float32Array, width: number) {
     for (let n = 0; n < (4 * width) / INNER; n++) {
       const from = 4 * (row * width + Math.floor(n / 4) * INNER + w) + (n % 4);
       const pixel = (u * blocks * INNER + Math.floor(n / 3) * INNER + w) * HEIGHT + v;
-      pixels[3 * pixel + (n % 3)] = texels[from]!;
+      pixels[3 * pixel + (n % 3)] = texels[from];
     }
   }
   return { width: blocks * INNER * HEIGHT, height: DEPTH, pixels };

@@ -19,7 +19,7 @@ export function exrFile({ width, height, pixels }: Picture): Uint8Array<ArrayBuf
     at += 8;
     for (const place of [2, 1, 0]) // channels stand in alphabetical order
       for (let x = 0; x < width; x++, at += 4)
-        view.setFloat32(at, pixels[3 * (y * width + x) + place]!, true);
+        view.setFloat32(at, pixels[3 * (y * width + x) + place], true);
   }
   return bytes;
 }

@@ -3,7 +3,7 @@
 import type { Channels } from "../core/api";
 import { CHECKS, fresnel, schlick } from "../core/formulas";
 import { colourOver, hiddenBy, lookOf } from "../material/appearance";
-import { joined, mapped, quotient, type Rgb, rgb } from "../material/channels";
+import { each, mapped, quotient, type Rgb, rgb } from "../material/channels";
 import {
   type BottomInAir,
   bottomUnder,
@@ -84,7 +84,7 @@ function describe(material: MaterialCards): Description {
       [1, 1, 1],
     );
     const base = inputs.base_color as Rgb | undefined;
-    if (base) inputs.base_color = [0, 1, 2].map((k) => base[k]! * dye[k]!) as unknown as Rgb;
+    if (base) inputs.base_color = each((k) => base[k] * dye[k]);
     else if (dye.some((share) => share !== 1)) lost.push("the colour of the lower coats");
     for (const coat of coats)
       if (mean(lookOf(coat).body) > 0) lost.push(`the body of ${nameOf(coat)} and its colour`);
@@ -141,11 +141,9 @@ function baseOf(bottom: BottomInAir, lost: string[]): Description["inputs"] {
 function metalOf(bottom: BottomInAir & { kind: "conductor" }): Description["inputs"] {
   if ("r0" in bottom) return { base_color: rgb(bottom.r0) };
   const [eta, k] = [rgb(bottom.eta), rgb(bottom.k)];
-  const each = (formula: (channel: number) => number) =>
-    rgb(joined([formula(0), formula(1), formula(2)]));
-  const f0 = each((i) => fresnel(1, eta[i]!, k[i]!));
+  const f0 = each((i) => fresnel(1, eta[i], k[i]));
   const tint = each((i) =>
-    Math.min(fresnel(EDGE_COSINE, eta[i]!, k[i]!) / schlick(f0[i]!, 1, EDGE_COSINE), 1),
+    Math.min(fresnel(EDGE_COSINE, eta[i], k[i]) / schlick(f0[i], 1, EDGE_COSINE), 1),
   );
   return { base_color: f0, specular_color: tint };
 }

@@ -32,8 +32,8 @@ export function mitsubaXml(material: MaterialCards): string {
       "Mitsuba has no bare metal with energy compensation; switch that off, or save the material.",
     );
   const layers: Plugin[] = [...stack.coats.map(pluginOf), bottomOf(stack.bottom)];
-  if (isCompensated(material)) layers[0]![1].push(["energy_compensation", true]);
-  if (isTurned) layers[0]![1].push(["rotation", rotation]);
+  if (isCompensated(material)) layers[0][1].push(["energy_compensation", true]);
+  if (isTurned) layers[0][1].push(["rotation", rotation]);
   const lines = layers.flatMap(([type, values], depth) => {
     const head = `<bsdf type="${type}" ${depth === 0 ? 'id="material"' : 'name="bottom"'}>`;
     const inner = values.map(([name, value]) => {

@@ -28,7 +28,7 @@ export function plyFile({ vertices, faces }: Mesh): Uint8Array<ArrayBuffer> {
   for (let face = 0; face < faces.length; face += 3) {
     view.setUint8(at, 3);
     for (let corner = 0; corner < 3; corner++)
-      view.setInt32(at + 1 + 4 * corner, faces[face + corner]!, true);
+      view.setInt32(at + 1 + 4 * corner, faces[face + corner], true);
     at += 13;
   }
   return bytes;

@@ -68,7 +68,7 @@ export function parametersOf(layer: CoatInAir | BottomInAir): Parameter[] {
   const names = ORDER.filter((name) => given[name] !== undefined);
   return names
     .filter((name) => name !== "thickness" || given.thickness !== 1)
-    .map((name) => [name.replace(/[A-Z]/, (letter) => `_${letter.toLowerCase()}`), given[name]!]);
+    .map((name) => [name.replace(/[A-Z]/, (letter) => `_${letter.toLowerCase()}`), given[name]]);
 }
 
 /** The name of a file for a material. */

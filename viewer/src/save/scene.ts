@@ -38,7 +38,7 @@ export function sceneFile(scene: Scene): Uint8Array<ArrayBuffer> {
 export function sceneXml(scene: Omit<Scene, "material">): string {
   const { mesh, view, rotation, width, height, environment } = scene;
   const { eye, up, forward } = cameraOf(mesh, view, width / height);
-  const target = eye.map((x, k) => x + forward[k]!);
+  const target = eye.map((x, k) => x + forward[k]);
   const fov = (360 / Math.PI) * Math.atan(Math.hypot(...up));
   return `<scene version="3.0.0">
     <default name="spp" value="256"/>

@@ -46,7 +46,7 @@ export function shaderText(
 ): string {
   const size = latents.length / CHANNELS;
   const angle = (rotation * Math.PI) / 180;
-  return filled(template, (number, channel) => shaderNumber(latents[channel * size + number]!))
+  return filled(template, (number, channel) => shaderNumber(latents[channel * size + number]))
     .replace(/\bcode_tangent_x\b/, shaderNumber(Math.fround(Math.cos(angle))))
     .replace(/\bcode_tangent_y\b/, shaderNumber(Math.fround(Math.sin(angle))));
 }
@@ -58,7 +58,7 @@ export function shaderText(
  * function `material` is called.
  */
 export function texelShaderText(template: string, { numbers }: CodeTexture): string {
-  return filled(template, (number, channel) => linear(numbers[number]![channel]!));
+  return filled(template, (number, channel) => linear(numbers[number][channel]));
 }
 
 /** A template with texts in the place of its codes. */

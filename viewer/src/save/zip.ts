@@ -23,6 +23,6 @@ export function nameOf(bytes: Uint8Array): string {
 /** CRC-32 (ISO 3309) of bytes, in [0, 2^32). */
 export function crc32(bytes: Uint8Array): number {
   let sum = 0xffffffff;
-  for (const byte of bytes) sum = (sum >>> 8) ^ SUMS[(sum ^ byte) & 0xff]!;
+  for (const byte of bytes) sum = (sum >>> 8) ^ SUMS[(sum ^ byte) & 0xff];
   return (sum ^ 0xffffffff) >>> 0;
 }

@@ -16,120 +16,76 @@ import {
   type Parameter,
 } from "../material/parameters";
 import { Refusal } from "../refusal";
-import {
-  COMPARISONS,
-  DIFFERENCE_SCALES,
-  ENVIRONMENTS,
-  INITIAL,
-  OBJECTS,
-  type State,
-  TONES,
-} from "./state";
-
-type Fields = Record<string, unknown>;
+import { type Fields, object, text, within } from "./json";
+import { INITIAL, readFields, type State } from "./state";
 
 /** The state of a JSON value; fields that are missing have their first values. */
 export function readState(value: unknown): State {
-  const fields = object(value, "the state");
-  const materials = fields.materials;
+  const { materials } = object(value, "the state");
   if (!Array.isArray(materials) || materials.length < 1 || materials.length > 2)
     throw new Refusal("The state has no materials.");
-  const first = readMaterial(materials[0]);
-  const second = materials.length > 1 ? readMaterial(materials[1]) : INITIAL.materials[1];
-  const view = object(fields.view ?? {}, "the view");
-  const pan = Array.isArray(view.pan) ? view.pan : [];
-  const { background } = fields;
-  return {
-    materials: [first, second],
-    active: fields.active === 1 ? 1 : 0,
-    comparison: choice(fields.comparison, COMPARISONS, INITIAL.comparison),
-    edge: number(fields.edge, 0, 1, INITIAL.edge),
-    scale: choice(fields.scale, DIFFERENCE_SCALES, INITIAL.scale),
-    object: choice(fields.object, [...OBJECTS, "own"] as const, INITIAL.object),
-    mesh: nameOf(fields.mesh, INITIAL.mesh),
-    environment: choice(fields.environment, ENVIRONMENTS, INITIAL.environment),
-    panorama: nameOf(fields.panorama, INITIAL.panorama),
-    rotation: number(fields.rotation, -180, 180, INITIAL.rotation),
-    exposure: number(fields.exposure, -6, 6, INITIAL.exposure),
-    view: {
-      azimuth: number(view.azimuth, -180, 180, INITIAL.view.azimuth),
-      elevation: number(view.elevation, -10, 85, INITIAL.view.elevation),
-      zoom: number(view.zoom, 0.5, 4, INITIAL.view.zoom),
-      fov: number(view.fov, 5, 60, INITIAL.view.fov),
-      pan: [number(pan[0], -2, 2, 0), number(pan[1], -2, 2, 0)],
-    },
-    tone: choice(fields.tone, TONES, INITIAL.tone),
-    background:
-      background === "transparent" || /^#[0-9a-f]{6}$/.test(String(background))
-        ? String(background)
-        : INITIAL.background,
-    turntable: fields.turntable === true,
-    plots: fields.plots === true,
-    incidence: number(fields.incidence, 0, 89, INITIAL.incidence),
-  };
+  const [first, second = INITIAL.materials[1]] = materials.map(readMaterial);
+  return { materials: [first!, second], ...readFields(value) };
 }
 
 /** The material of a JSON value. */
 export function readMaterial(value: unknown): MaterialCards {
   const fields = object(value, "the material");
-  const coats = fields.coats ?? [];
+  const { coats = [], solo } = fields;
   if (!Array.isArray(coats) || coats.length > MOST_COATS)
     throw new Refusal(`A material has at most ${MOST_COATS} coats.`);
   const bottom = readBottom(fields.bottom);
   if (bottom.kind === "texels" && coats.length > 0)
     throw new Refusal("A texture of codes cannot be coated on this page.");
-  const solo = fields.solo;
   return {
-    name: nameOf(fields.name, "Material"),
+    name: text("Material")(fields.name),
     bottom,
     coats: coats.map(readCoat),
     ...(fields.energyCompensation === true ? { energyCompensation: true } : {}),
-    ...(fields.rotation === undefined ? {} : { rotation: number(fields.rotation, -180, 180, 0) }),
-    solo:
-      typeof solo === "number" && Number.isInteger(solo) && solo >= 0 && solo <= coats.length
-        ? solo
-        : null,
+    ...("rotation" in fields ? { rotation: within(-180, 180, 0)(fields.rotation) } : {}),
+    solo: [...coats.keys(), coats.length].find((id) => id === solo) ?? null,
   };
 }
 
 function readCoat(value: unknown, place: number): CoatCard {
   const fields = object(value, "a coat");
-  const one = (name: keyof typeof COAT_PARAMETERS) =>
-    channels(fields[name], COAT_PARAMETERS[name], name);
-  const medium = ["albedo", "sigmaT"].some((name) => name in fields)
-    ? { albedo: one("albedo"), sigmaT: one("sigmaT") }
-    : { color: one("color"), body: one("body"), bodyColor: one("bodyColor") };
-  const thickness = rgb(one("thickness"))[0];
+  const given = <Name extends keyof typeof COAT_PARAMETERS>(...names: Name[]) =>
+    numbers(fields, COAT_PARAMETERS, names);
+  const medium =
+    "albedo" in fields || "sigmaT" in fields
+      ? given("albedo", "sigmaT")
+      : given("color", "body", "bodyColor");
+  const thickness = rgb(given("thickness").thickness)[0];
   return {
     id: place + 1,
     on: fields.on !== false,
-    ...widths(fields, one("alpha")),
-    ior: one("ior"),
+    ...widths(fields, COAT_PARAMETERS),
+    ...given("ior", "g"),
     ...medium,
-    g: one("g"),
     ...(thickness === 1 ? {} : { thickness }),
   };
 }
 
 function readBottom(value: unknown): BottomInAir | TexelBottom {
   const fields = object(value, "the bottom");
-  const one = (name: keyof typeof BOTTOM_PARAMETERS) =>
-    channels(fields[name], BOTTOM_PARAMETERS[name], name);
+  const given = <Name extends keyof typeof BOTTOM_PARAMETERS>(...names: Name[]) =>
+    numbers(fields, BOTTOM_PARAMETERS, names);
+  const surface = () => widths(fields, BOTTOM_PARAMETERS);
   switch (fields.kind) {
     case "conductor": {
-      const facets = "r0" in fields ? { r0: one("r0") } : { eta: one("eta"), k: one("k") };
-      return { kind: "conductor", ...widths(fields, one("alpha")), ...facets };
+      const facets = "r0" in fields ? given("r0") : given("eta", "k");
+      return { kind: "conductor", ...surface(), ...facets };
     }
     case "dielectric":
-      return { kind: "dielectric", ...widths(fields, one("alpha")), ior: one("ior") };
+      return { kind: "dielectric", ...surface(), ...given("ior") };
     case "diffuse":
-      return { kind: "diffuse", reflectance: one("reflectance") };
+      return { kind: "diffuse", ...given("reflectance") };
     case "codes":
       return {
         kind: "codes",
         latents: codes(fields.latents),
         ...(fields.widths === 2 ? { widths: 2 } : {}),
-        ...(fields.table === undefined ? {} : { table: checkSum(fields.table, "table") }),
+        ...("table" in fields ? { table: checkSum(fields.table, "table") } : {}),
         ...(fields.besideLobe === true ? { besideLobe: true } : {}),
       };
     case "texels":
@@ -147,45 +103,37 @@ function checkSum(value: unknown, what: string): string {
 }
 
 /** The widths of a surface; one across the tangent only if it is given. */
-function widths(fields: Fields, alpha: Channels): { alpha: Channels; alphaV?: Channels } {
-  const across = fields.alphaV;
-  if (across === undefined) return { alpha };
-  return { alpha, alphaV: channels(across, COAT_PARAMETERS.alpha, "alphaV") };
+function widths(
+  fields: Fields,
+  { alpha }: { alpha: Parameter },
+): { alpha: Channels; alphaV?: Channels } {
+  return numbers(fields, { alpha, alphaV: alpha }, [
+    "alpha",
+    ...("alphaV" in fields ? ["alphaV" as const] : []),
+  ]);
 }
 
-function object(value: unknown, what: string): Fields {
-  if (typeof value !== "object" || value === null || Array.isArray(value))
-    throw new Refusal(`There is no description of ${what}.`);
-  return value as Fields;
-}
-
-function channels(value: unknown, parameter: Parameter, name: string): Channels {
-  if (value === undefined) return parameter.fallback;
-  const numbers = Array.isArray(value) ? value : [value];
-  const whole = numbers.length === 1 || numbers.length === 3;
-  if (!whole || !numbers.every((x) => typeof x === "number" && Number.isFinite(x)))
-    throw new Refusal(`The parameter ${name} is neither a number nor three.`);
-  return mapped(numbers.length === 1 ? numbers[0] : (value as [number, number, number]), (x) =>
-    clamped(parameter, x),
-  );
+/** Parameters by their names, each one number for all channels or three, within its range. */
+function numbers<Name extends string>(
+  fields: Fields,
+  parameters: Record<Name, Parameter>,
+  names: readonly Name[],
+): Record<Name, Channels> {
+  const one = (name: Name): Channels => {
+    const { [name]: value = parameters[name].fallback } = fields;
+    const all = [value].flat();
+    if (![1, 3].includes(all.length) || !all.every(Number.isFinite))
+      throw new Refusal(`The parameter ${name} is neither a number nor three.`);
+    return mapped((all.length === 1 ? all[0] : all) as Channels, (x) =>
+      clamped(parameters[name], x),
+    );
+  };
+  return Object.fromEntries(names.map((name) => [name, one(name)])) as Record<Name, Channels>;
 }
 
 function codes(value: unknown): Float32Array {
   const fine = Array.isArray(value) && value.length > 0 && value.length <= 768;
-  if (!fine || value.length % 3 || !value.every((x) => typeof x === "number" && Number.isFinite(x)))
+  if (!fine || value.length % 3 || !value.every(Number.isFinite))
     throw new Refusal("The codes of the bottom are damaged.");
   return new Float32Array(value);
-}
-
-function number(value: unknown, low: number, high: number, fallback: number): number {
-  if (typeof value !== "number" || !Number.isFinite(value)) return fallback;
-  return Math.min(Math.max(value, low), high);
-}
-
-function nameOf(value: unknown, fallback: string): string {
-  return (typeof value === "string" && value.trim().slice(0, 80)) || fallback;
-}
-
-function choice<T>(value: unknown, all: readonly T[], fallback: T): T {
-  return all.find((one) => one === value) ?? fallback;
 }

@@ -55,7 +55,7 @@ export function BottomCard({ material, alone }: BottomCardProps) {
       key={key}
       owner="Bottom"
       parameter={parameter}
-      value={(bottom as unknown as Record<string, Channels>)[key]!}
+      value={(bottom as unknown as Record<string, Channels>)[key]}
       coloured={kind !== "dielectric"}
       colourOf={(value) => reflectanceOf({ ...bottom, [key]: value } as BottomInAir)}
       onChange={(value, step) => change({ ...bottom, [key]: value } as BottomInAir, step)}
@@ -158,7 +158,7 @@ function Metals({
 }
 
 function same(a: Rgb, b: Rgb): boolean {
-  return a.every((x, k) => Math.abs(x - b[k]!) < 1e-6);
+  return a.every((x, k) => Math.abs(x - b[k]) < 1e-6);
 }
 
 function kindOf(bottom: AnyBottom): Kind {

@@ -29,7 +29,7 @@ export function Cards() {
 
   const move = (from: number, to: number) => {
     if (to < 0 || to >= coats.length || from === to) return;
-    changeMaterial(moved(material.value, from, to), `move ${coats[from]!.id}`);
+    changeMaterial(moved(material.value, from, to), `move ${coats[from].id}`);
     announce(`Coat moved to place ${to + 1} of ${coats.length}.`);
   };
 

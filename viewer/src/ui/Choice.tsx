@@ -17,7 +17,7 @@ export function Choice<Value extends string | number>(props: ChoiceProps<Value>)
     <select
       aria-label={name}
       value={value}
-      onChange={({ currentTarget }) => onChange(options[currentTarget.selectedIndex]![0])}
+      onChange={({ currentTarget }) => onChange(options[currentTarget.selectedIndex][0])}
     >
       {options.map(([own, shown]) => (
         <option key={own} value={own}>

@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import type { Channels } from "../core/api";
-import { COLOURS, joined, type Rgb, rgb } from "../material/channels";
+import { COLOURS, each, joined, type Rgb, rgb } from "../material/channels";
 import { fromHex, hex } from "../material/colour";
 import { clamped, type Parameter, placeOf, rounded, valueAt } from "../material/parameters";
 import { NumberField } from "./NumberField";
@@ -48,7 +48,7 @@ export function Field(props: FieldProps) {
     const stops = STOPS.map((place) => {
       const other = valueAt(parameter, place);
       if (channel === null) return hex(colourOf(other));
-      return hex(colourOf(values.map((x, k) => (k === channel ? other : x)) as unknown as Rgb));
+      return hex(colourOf(each((k) => (k === channel ? other : values[k]))));
     });
     return `linear-gradient(90deg, ${stops.join(", ")})`;
   };
@@ -56,10 +56,10 @@ export function Field(props: FieldProps) {
     <Row
       key={channel}
       name={channel === null ? name : `${name}, ${COLOURS[channel]}`}
-      channel={channel === null ? "" : COLOURS[channel]!}
+      channel={channel === null ? "" : COLOURS[channel]}
       track={gradient(channel)}
       parameter={parameter}
-      value={values[channel ?? 0]!}
+      value={values[channel ?? 0]}
       onInput={(next) => set(channel, next)}
       onReset={reset}
     />

@@ -139,7 +139,7 @@ function halfCircle(radius: number): string {
 function polar(f: Float32Array, channel: number, radius: (f: number) => number): string {
   const points = Array.from(PLANE_ANGLES, (degrees, at) => {
     const angle = (degrees * Math.PI) / 180;
-    const r = radius(f[3 * at + channel]!);
+    const r = radius(f[3 * at + channel]);
     return `${(r * Math.sin(angle)).toFixed(1)} ${(-r * Math.cos(angle)).toFixed(1)}`;
   });
   return `M${points.join("L")}`;
@@ -186,7 +186,7 @@ function AlbedoPlot({ slot }: { slot: Slot | undefined }) {
 function albedoPath(albedo: Float32Array, channel: number, across: (degrees: number) => number) {
   const points = Array.from(ALBEDO_ANGLES, (degrees, at) => {
     const x = across(degrees);
-    const y = HEIGHT * (1 - Math.min(albedo[3 * at + channel]!, 1.1));
+    const y = HEIGHT * (1 - Math.min(albedo[3 * at + channel], 1.1));
     return `${x.toFixed(1)} ${y.toFixed(1)}`;
   });
   return `M${points.join("L")}`;
@@ -195,6 +195,6 @@ function albedoPath(albedo: Float32Array, channel: number, across: (degrees: num
 function spokenAlbedo(albedo: Float32Array | null): string {
   if (albedo === null) return "Directional albedo";
   const percent = (at: number) =>
-    [0, 1, 2].map((k) => `${Math.round(100 * albedo[3 * at + k]!)}`).join(", ");
+    [0, 1, 2].map((k) => `${Math.round(100 * albedo[3 * at + k])}`).join(", ");
   return `Directional albedo in percent, red, green and blue: ${percent(0)} near the normal, ${percent(13)} at grazing incidence`;
 }

@@ -42,7 +42,7 @@ export function Presets({ onChosen }: { onChosen: () => void }) {
       if (key === "Enter") choose(all[0]);
       else if (down === 1) next = buttons[0];
     } else if (beside !== undefined) next = buttons[at + beside];
-    else if (down !== undefined) next = nearest(buttons, buttons[at]!, down) ?? search.current;
+    else if (down !== undefined) next = nearest(buttons, buttons[at], down) ?? search.current;
     else if (key === "Home") next = buttons[0];
     else if (key === "End") next = buttons.at(-1);
     else if (key.length === 1 && key !== " " && !event.ctrlKey && !event.metaKey)

@@ -192,7 +192,7 @@ function Status() {
     const { text, share, cancel } = task.value;
     return (
       <p class="status">
-        {share !== undefined && <progress aria-label={text} value={share} />}
+        <progress aria-label={text} value={share} />
         {text} …
         {cancel && (
           <button type="button" onClick={cancel}>

@@ -66,5 +66,5 @@ export function Toolbar() {
 }
 
 function capital(name: string): string {
-  return name[0]!.toUpperCase() + name.slice(1);
+  return name[0].toUpperCase() + name.slice(1);
 }

@@ -22,7 +22,7 @@ function directions(count: number, turn: number): Float32Array {
   return Float32Array.from(numbers.flat());
 }
 
-const mirrored = (w: Float32Array, signs: readonly number[]) => w.map((x, i) => x * signs[i % 3]!);
+const mirrored = (w: Float32Array, signs: readonly number[]) => w.map((x, i) => x * signs[i % 3]);
 
 test("f is the same with exchanged directions and for mirror images", () => {
   const material = core.layer(BRUSHED);
@@ -51,11 +51,11 @@ test("the rows of a table have the directions, densities and f of their azimuths
     const wi = Float32Array.from(rows.flatMap(() => one));
     const wo = Float32Array.from(rows.flatMap((at) => [...table.subarray(at, at + 3)]));
     const f = core.f(material, wi, wo);
-    const pdf = rows.map((at) => table[at + 6]!);
+    const pdf = rows.map((at) => table[at + 6]);
     const weights = rows.flatMap((at) => [...table.subarray(at + 3, at + 6)]);
     const expected = Array.from(f, (value, k) => {
       const i = Math.floor(k / 3);
-      return (value * wo[3 * i + 2]!) / pdf[i]!;
+      return (value * wo[3 * i + 2]) / pdf[i];
     });
     // Directions are rounded to single precision, which narrow lobes amplify.
     expect(relativeError(weights, expected, 1e-3)).toBeLessThan(1e-3);

@@ -79,7 +79,7 @@ describe("energy", () => {
   test("a coat of the same index hardly changes vermilion's red", () => {
     const shipped = loadCore(bytesOf(SHIPPED));
     const red = (material: MaterialCards) =>
-      shipped.albedo(shipped.layer(stackOf(material)), Float32Array.of(Math.SQRT1_2))[0]!;
+      shipped.albedo(shipped.layer(stackOf(material)), Float32Array.of(Math.SQRT1_2))[0];
     const vermilion = preset("Vermilion urushi");
     const before = red(vermilion);
     let material = vermilion;
@@ -87,18 +87,6 @@ describe("energy", () => {
       material = withCoat(material);
       expect(Math.abs(red(material) / before - 1)).toBeLessThan(0.08); // of a rougher surface, and four errors of the network
     }
-  });
-
-  test("a grey stack has three equal channels", () => {
-    const grey = core.layer({
-      bottom: { kind: "diffuse", reflectance: 0.5 },
-      coats: STACK.coats.slice(0, 1),
-    });
-    const channels = [0, 1, 2].map((k) =>
-      grey.latents.slice(k * core.latentSize, (k + 1) * core.latentSize),
-    );
-    expect(channels[1]).toEqual(channels[0]);
-    expect(channels[2]).toEqual(channels[0]);
   });
 });
 
@@ -171,15 +159,6 @@ describe("the proposal", () => {
         const expected = albedo[3 * row + channel];
         expect(Math.abs(sum / samples / expected - 1)).toBeLessThan(0.02);
       }
-    }
-  });
-
-  test("a table's directions are unit vectors above the horizon", () => {
-    const table = core.table(material, { azimuths: 1, cosines: 8, samples: 64, shift: [0, 0, 0] });
-    for (let row = 0; row < 8 * 64; row++) {
-      const [x = 0, y = 0, z = 0] = table.subarray(8 * row, 8 * row + 3);
-      expect(Math.hypot(x, y, z)).toBeCloseTo(1, 5);
-      expect(z).toBeGreaterThanOrEqual(0);
     }
   });
 });

@@ -40,7 +40,7 @@ test("nothing of a ball hides its light: all is open, along the normal", () => {
   for (let i = 0; i < found.length / 4; i++) {
     expect(found[4 * i + 3]).toBe(1);
     for (let k = 0; k < 3; k++)
-      expect(found[4 * i + k]).toBeCloseTo(mesh.vertices[6 * i + 3 + k]!, 5);
+      expect(found[4 * i + k]).toBeCloseTo(mesh.vertices[6 * i + 3 + k], 5);
   }
 });
 
@@ -50,8 +50,7 @@ test("everywhere in a hollow cap of a sphere, the opening has its share of the s
     const found = of(sphere(top, -1));
     const share = (1 - top) / 2;
     // Not at the rim; the directions resolve a few percent.
-    for (let i = 0; i < 65 * 56; i++)
-      expect(Math.abs(found[4 * i + 3]! - share)).toBeLessThan(0.04);
+    for (let i = 0; i < 65 * 56; i++) expect(Math.abs(found[4 * i + 3] - share)).toBeLessThan(0.04);
     for (let i = 0; i < 65; i++) expect(found[4 * i + 2]).toBeGreaterThan(0.995); // at the pole
   }
 });

@@ -28,10 +28,10 @@ export function pairs(count = 64): [wi: Float32Array, wo: Float32Array] {
     const [a, b, c] = sequencePoint(k + 1, [0.5, 0.5, 0.5]);
     const one = at(0.02 + 0.97 * a, b);
     const half = at(1 - 0.02 * c, c);
-    const twice = 2 * one.reduce((sum, x, i) => sum + x * half[i]!, 0);
-    const mirrored = one.map((x, i) => twice * half[i]! - x);
+    const twice = 2 * one.reduce((sum, x, i) => sum + x * half[i], 0);
+    const mirrored = one.map((x, i) => twice * half[i] - x);
     wi.push(...one);
-    wo.push(...(k % 2 === 0 && mirrored[2]! > 0.004 ? mirrored : at(0.02 + 0.97 * c, a)));
+    wo.push(...(k % 2 === 0 && mirrored[2] > 0.004 ? mirrored : at(0.02 + 0.97 * c, a)));
   }
   return [Float32Array.from(wi), Float32Array.from(wo)];
 }
@@ -49,8 +49,8 @@ export function relativeError(
   if (found.length !== expected.length) return Number.POSITIVE_INFINITY;
   let greatest = 0;
   for (let i = 0; i < expected.length; i++) {
-    const difference = Math.abs(found[i]! - expected[i]!);
-    const error = difference === 0 ? 0 : difference / Math.max(Math.abs(expected[i]!), least);
+    const difference = Math.abs(found[i] - expected[i]);
+    const error = difference === 0 ? 0 : difference / Math.max(Math.abs(expected[i]), least);
     if (!(error <= greatest)) greatest = error; // also NaN, which then stays
   }
   return greatest;

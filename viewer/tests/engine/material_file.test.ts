@@ -23,13 +23,6 @@ const read = (bytes: Uint8Array, networks: Networks = NETWORKS) =>
 
 const SIX = { shape: [3, 2], values: [1, 2, 3, 4, 5, 6] };
 
-test("codes are read", () => {
-  expect(read(file(SIX)).bottom).toEqual({
-    kind: "codes",
-    latents: new Float32Array(SIX.values),
-  });
-});
-
 test("a grey material has three equal codes", () => {
   const { bottom } = read(file({ shape: [1, 2], values: [1, 2] }));
   expect(bottom).toMatchObject({ latents: new Float32Array([1, 2, 1, 2, 1, 2]) });

@@ -16,17 +16,17 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
     fingerprint: "",
     basisTexels: async () => new Float32Array(),
     layer: async (stack) => {
-      const width = stack.coats[0]!.alpha as number;
+      const width = stack.coats[0].alpha as number;
       layered.push(width);
       await late();
       return { latents: new Float32Array([width]), table };
     },
-    f: async (material, wi) => new Float32Array(wi.length).fill(material.latents[0]!),
+    f: async (material, wi) => new Float32Array(wi.length).fill(material.latents[0]),
     albedo: async (_material, cosines) => new Float32Array(3 * cosines.length),
     table: async (material, { shift }) => {
       shifts.push(shift[0]);
       await late();
-      return new Float32Array([material.latents[0]!]);
+      return new Float32Array([material.latents[0]]);
     },
   };
   return { core, layered, shifts };
@@ -59,7 +59,7 @@ test("of many changes the latest is shown, and those between are left out", asyn
   for (let step = 1; step <= 20; step++) slot.show(shown(step / 32));
   await settled(slot, 20 / 32);
   expect(layered).toEqual([1 / 32, 20 / 32]);
-  expect([...slot.tables[0]!]).toEqual([20 / 32]);
+  expect([...slot.tables[0]]).toEqual([20 / 32]);
 });
 
 test("an equal stack is not computed again", async () => {
@@ -86,6 +86,6 @@ test("tables at rest are shifted, and belong to the present material", async () 
   expect(await late).toBe(false);
   await settled(slot, 0.25);
   expect(slot.tables).toHaveLength(1);
-  expect([...slot.tables[0]!]).toEqual([0.25]);
+  expect([...slot.tables[0]]).toEqual([0.25]);
   expect(new Set(shifts.slice(0, 4)).size).toBe(4); // of the first, and of three at rest
 });

@@ -43,7 +43,7 @@ describe("two widths", () => {
   });
   test("have a ratio, whichever is larger", () => {
     const ratios = [0.01, 0.1, [0.4, 0.05, 0.1] as [number, number, number]];
-    const found = ratios.map((across) => widthRatio(withAcross(across).coats[0]!));
+    const found = ratios.map((across) => widthRatio(withAcross(across).coats[0]));
     expect(found.map((ratio) => Number(ratio.toFixed(9)))).toEqual([10, 1, 4]);
     expect(widthRatio(top!)).toBe(1);
   });

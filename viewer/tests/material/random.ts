@@ -31,7 +31,7 @@ export class Draws {
   }
 
   pick<T>(all: readonly T[]): T {
-    return all[Math.floor(this.number() * all.length)]!;
+    return all[Math.floor(this.number() * all.length)];
   }
 
   /** One value, or one for each channel. */

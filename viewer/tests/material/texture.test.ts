@@ -60,8 +60,8 @@ const read = (bytes = file()) => readTexture(new TensorFile(bytes), bytes, NETWO
 
 /** The code of a texel, as Python's `textures.packing` unpacks it. */
 function unpacked(texel: number[], channel: number): number[] {
-  const fine = 256 * texel[1 + 2 * channel]! + texel[2 + 2 * channel]!;
-  return [-1 + 0.001 * fine, 0.25 + 0.5 * texel[0]!, 3];
+  const fine = 256 * texel[1 + 2 * channel] + texel[2 + 2 * channel];
+  return [-1 + 0.001 * fine, 0.25 + 0.5 * texel[0], 3];
 }
 
 test("shader code makes a texel's codes of its bytes", () => {
@@ -73,7 +73,7 @@ test("shader code makes a texel's codes of its bytes", () => {
   const codes = new Function("stored", `return ${text};`)(stored) as number[][];
   codes.forEach((code, channel) => {
     code.forEach((number, k) => {
-      expect(number).toBeCloseTo(unpacked(texel, channel)[k]!, 4);
+      expect(number).toBeCloseTo(unpacked(texel, channel)[k], 4);
     });
   });
 });
@@ -82,7 +82,7 @@ test("the mean code is that of all texels", () => {
   const codes = meanCodes(read());
   for (const channel of [0, 1, 2])
     for (const k of [0, 1, 2]) {
-      const [a, b] = [0, 8].map((at) => unpacked(TEXELS.slice(at, at + 8), channel)[k]!);
+      const [a, b] = [0, 8].map((at) => unpacked(TEXELS.slice(at, at + 8), channel)[k]);
       expect(codes[3 * channel + k]).toBeCloseTo((a! + b!) / 2, 4);
     }
 });

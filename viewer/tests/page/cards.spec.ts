@@ -121,11 +121,8 @@ test("a coat is added, moved by mouse and keyboard, removed, and brought back", 
   await expect(thickness(3)).toHaveValue("2");
 });
 
-test("added coats have the topmost surface and leave the look", async ({ page }) => {
+test("added coats have the topmost surface", async ({ page }) => {
   await open(page);
-  const plot = page.getByRole("img", { name: /^Directional albedo in percent/ });
-  const spoken = async () => (await plot.getAttribute("aria-label")) ?? "";
-  const before = (await spoken()).match(/\d+/g)!.map(Number);
   await page.getByRole("button", { name: "Add coat" }).click();
   await unfold(page);
   await expect(number(page, "Coat 3, Index n")).toHaveValue("1.53");
@@ -133,16 +130,6 @@ test("added coats have the topmost surface and leave the look", async ({ page })
   // The surface is now that of the added coat: the one below has none, and nothing that does nothing.
   await expect(coats(page).nth(1)).toContainText("no surface, tinted");
   await expect(number(page, "Coat 2, Roughness α")).toHaveCount(0);
-  await number(page, "Coat 1, Scattering, red").fill("0.5"); // seen in the plot when it is there
-  await number(page, "Coat 1, Scattering, red").press("Enter");
-  await expect.poll(async () => Number(/\d+/.exec(await spoken()))).toBeLessThan(before[0]! - 5);
-  await page.getByRole("button", { name: "Undo" }).click();
-  await expect
-    .poll(async () => {
-      const found = (await spoken()).match(/\d+/g)!.map(Number);
-      return Math.max(...found.map((share, k) => Math.abs(share - before[k]!)));
-    })
-    .toBeLessThanOrEqual(2);
   await enter(page, "Coat 2, Index n", "1.7");
   await expect(coats(page).nth(1)).toContainText("glossy, tinted");
   await expect(number(page, "Coat 2, Roughness α")).toHaveValue("0.02");
@@ -217,7 +204,7 @@ test("an undo takes back one action, and in a number the number", async ({ page 
   const after = await stateOf(page);
   const seen = async () => {
     const { environment, panorama, rotation, materials } = await stateOf(page);
-    return [environment, panorama, rotation, materials[0].coats[0]!.ior === 1.53];
+    return [environment, panorama, rotation, materials[0].coats[0].ior === 1.53];
   };
   for (const left of [
     ["own", "first.hdr", 5, false],
@@ -242,7 +229,7 @@ test("an undo takes back one action, and in a number the number", async ({ page 
   await field.selectText();
   await page.keyboard.type("1.7");
   await page.keyboard.press("Enter");
-  const ior = async () => (await stateOf(page)).materials[0].coats[0]!.ior;
+  const ior = async () => (await stateOf(page)).materials[0].coats[0].ior;
   await expect.poll(ior).toBe(1.7);
   await page.keyboard.press("Control+z");
   await expect.poll(ior).toBe(1.53);

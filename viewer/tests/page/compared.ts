@@ -6,10 +6,10 @@ import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
 import { PYTHON } from "../python";
-import { saved } from "./page";
+import { expect, saved } from "./page";
 
 /** See `mitsuba_picture.py`. */
-export interface Measures {
+interface Measures {
   flip: number;
   noise: number;
   mean: number;
@@ -24,8 +24,8 @@ export const hasFlip = spawnSync(PYTHON, ["-c", "import flip_evaluator"]).status
 /** The process that renders all scenes, so that it starts once. */
 let renderer: ChildProcess | undefined;
 
-/** The measures of the page's picture; name: of the files that are left in `out/mitsuba`. */
-export async function compared(page: Page, name: string): Promise<Measures> {
+/** The page shows Mitsuba's picture; name: of the files that are left in `out/mitsuba`. */
+export async function expectAlike(page: Page, name: string): Promise<Measures> {
   mkdirSync(FOLDER, { recursive: true });
   const kinds = { Radiance: "exr", "Mitsuba scene": "zip", Picture: "png" };
   for (const [label, suffix] of Object.entries(kinds))
@@ -43,5 +43,11 @@ export async function compared(page: Page, name: string): Promise<Measures> {
     throw new Error("Rendering by Mitsuba failed; its error is printed above.");
   }
   writeFileSync(join(FOLDER, `${name}.json`), text);
-  return JSON.parse(String(text)) as Measures;
+  const measures = JSON.parse(String(text)) as Measures;
+  expect.soft(measures.flip).toBeLessThan(0.05);
+  expect.soft(Math.abs(measures.mean)).toBeLessThan(0.01);
+  // Noise alone is far below these tolerances.
+  expect.soft(measures.noise).toBeLessThan(0.02);
+  expect.soft(Math.abs(measures.mean_noise)).toBeLessThan(0.003);
+  return measures;
 }

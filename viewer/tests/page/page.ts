@@ -146,26 +146,28 @@ export async function enter(page: Page, name: string, value: string | number): P
   await number(page, name).press("Enter");
 }
 
+/** What the canvas shows: red, green and blue in [0, 255] at places [pixels], and its size. */
+export async function seen(page: Page) {
+  const { width, height, data } = await page.locator(".stage canvas").evaluate((element) => {
+    const { width, height } = element as HTMLCanvasElement;
+    const context = new OffscreenCanvas(width, height).getContext("2d")!;
+    context.drawImage(element as HTMLCanvasElement, 0, 0);
+    return { width, height, data: [...context.getImageData(0, 0, width, height).data] };
+  });
+  const at = (x: number, y: number) => {
+    const first = 4 * (Math.floor(y) * width + Math.floor(x));
+    return data.slice(first, first + 3);
+  };
+  return { width, height, at };
+}
+
 /** The mean colour of a part of the picture, in [0, 255]; x and y from 0 to 1. */
 export async function colourAt(page: Page, x: number, y: number): Promise<number[]> {
-  return page.locator(".stage canvas").evaluate(
-    (element, [x, y]) => {
-      const canvas = element as HTMLCanvasElement;
-      const copy = document.createElement("canvas");
-      copy.width = 8;
-      copy.height = 8;
-      const context = copy.getContext("2d")!;
-      const { width, height } = canvas;
-      context.drawImage(canvas, x! * width - 4, y! * height - 4, 8, 8, 0, 0, 8, 8);
-      const { data } = context.getImageData(0, 0, 8, 8);
-      return [0, 1, 2].map((k) => {
-        let sum = 0;
-        for (let at = k; at < data.length; at += 4) sum += data[at]!;
-        return sum / 64;
-      });
-    },
-    [x, y],
+  const { width, height, at } = await seen(page);
+  const part = Array.from({ length: 64 }, (_, k) =>
+    at(x * width - 4 + (k % 8), y * height - 4 + Math.floor(k / 8)),
   );
+  return [0, 1, 2].map((k) => part.reduce((sum, colour) => sum + colour[k], 0) / 64);
 }
 
 /** Open a file on the page. */
@@ -175,12 +177,27 @@ export async function give(page: Page, name: string, content: Buffer | string): 
     .setInputFiles({ name, mimeType: "application/octet-stream", buffer: Buffer.from(content) });
 }
 
+/** A .hdr file of pixels of four bytes: mantissas and exponent. */
+export function hdrFile(width: number, height: number, pixels: Uint8Array): Buffer {
+  const header = `#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y ${height} +X ${width}\n`;
+  return Buffer.concat([Buffer.from(header, "latin1"), pixels]);
+}
+
 /** A panorama of one colour, as a .hdr file; colour: mantissas and exponent. */
 export function panorama(width: number, height: number, colour: number[]): Buffer {
-  const header = `#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y ${height} +X ${width}\n`;
-  const pixels = Buffer.alloc(4 * width * height);
-  for (let at = 0; at < pixels.length; at += 4) pixels.set(colour, at);
-  return Buffer.concat([Buffer.from(header, "latin1"), pixels]);
+  return hdrFile(width, height, Buffer.alloc(4 * width * height, Uint8Array.from(colour)));
+}
+
+/** The pixels (RGBA, the first row at the top) of a PNG file. */
+export async function pixelsOf(page: Page, file: Buffer) {
+  return page.evaluate(async (text) => {
+    const bytes = Uint8Array.from(text, (character) => character.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes]));
+    const { width, height } = bitmap;
+    const context = new OffscreenCanvas(width, height).getContext("2d")!;
+    context.drawImage(bitmap, 0, 0);
+    return { width, height, data: [...context.getImageData(0, 0, width, height).data] };
+  }, file.toString("latin1"));
 }
 
 /** What an entry of the menu Save writes; label: the beginning of its name. */

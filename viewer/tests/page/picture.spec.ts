@@ -15,8 +15,10 @@ import {
   number,
   open,
   panorama,
+  pixelsOf,
   refined,
   saved,
+  seen,
   stateOf,
   test,
   unfold,
@@ -54,7 +56,7 @@ test("the picture shows the material, and follows it, the exposure and the keybo
   await page.getByRole("slider", { name: "Exposure" }).focus();
   for (let step = 0; step < 10; step++) await page.keyboard.press("ArrowRight");
   await expect
-    .poll(async () => (await colourAt(page, 0.5, 0.4))[0]!)
+    .poll(async () => (await colourAt(page, 0.5, 0.4))[0])
     .toBeGreaterThan(1.15 * before!);
 
   await page.locator(".stage canvas").focus();
@@ -70,7 +72,7 @@ test("two materials are compared by a swipe, and by a difference that is dark wh
   await page.getByRole("button", { name: /^B / }).click();
   const reflectance = async (values: number[]) => {
     for (const [at, channel] of ["red", "green", "blue"].entries())
-      await enter(page, `Bottom, Reflectance, ${channel}`, values[at]!);
+      await enter(page, `Bottom, Reflectance, ${channel}`, values[at]);
   };
   await reflectance([0.1, 0.1, 0.8]);
   const edge = page.getByRole("slider", { name: "Edge between A and B" });
@@ -79,7 +81,7 @@ test("two materials are compared by a swipe, and by a difference that is dark wh
     .poll(async () => {
       const left = await colourAt(page, 0.45, 0.4);
       const right = await colourAt(page, 0.55, 0.4);
-      return left[0]! > left[2]! && right[2]! > right[0]!;
+      return left[0] > left[2] && right[2] > right[0];
     })
     .toBe(true);
   await edge.focus();
@@ -88,7 +90,7 @@ test("two materials are compared by a swipe, and by a difference that is dark wh
   await expect
     .poll(async () => {
       const middle = await colourAt(page, 0.55, 0.4);
-      return middle[0]! > middle[2]!;
+      return middle[0] > middle[2];
     })
     .toBe(true);
 
@@ -138,7 +140,7 @@ test("in an even light the picture is the directional albedo", async ({ page }) 
     .poll(async () => {
       const shown = radiance(await colourAt(page, 0.5, 0.5));
       const known = await albedo();
-      return Math.max(...known.map((x, k) => Math.abs(shown[k]! / 0.5 - x)));
+      return Math.max(...known.map((x, k) => Math.abs(shown[k] / 0.5 - x)));
     })
     .toBeLessThan(0.02);
 });
@@ -149,7 +151,7 @@ test.describe("a hollow object", () => {
   test("hides a part of its own light, and a ball none", async ({ page }) => {
     await matt(page, [0.5, 0.5, 0.5]);
     await give(page, "even.hdr", panorama(64, 32, [64, 64, 64, 129])); // radiance 0.5
-    const seen = async () => radiance(await colourAt(page, 0.5, 0.4))[0]! / 0.25;
+    const seen = async () => radiance(await colourAt(page, 0.5, 0.4))[0] / 0.25;
     await expect.poll(async () => Math.abs((await seen()) - 1)).toBeLessThan(0.03);
     await page.getByRole("combobox", { name: "Object" }).selectOption("bowl");
     await expect.poll(seen).toBeLessThan(0.88);
@@ -171,11 +173,11 @@ test.describe("the studio's light", () => {
     await page.setViewportSize({ width: 900, height: 500 });
     const [lacquer] = INITIAL.materials;
     await open(page, addressOf({ materials: [lacquer], object: "bowl" }));
-    const swatch = rgb(lookOf(lacquer.coats[1]!).bodyColor).map((x) => 255 * encoded(x));
+    const swatch = rgb(lookOf(lacquer.coats[1]).bodyColor).map((x) => 255 * encoded(x));
     await expect
       .poll(async () => {
         const seen = await colourAt(page, 0.5, 0.6);
-        return Math.max(...seen.map((x, k) => Math.abs(x / swatch[k]! - 1)));
+        return Math.max(...seen.map((x, k) => Math.abs(x / swatch[k] - 1)));
       })
       .toBeLessThan(0.15);
   });
@@ -185,23 +187,17 @@ test.describe("the studio's light", () => {
     const silver = { kind: "conductor", alpha: 0.03, ...METALS.Silver };
     const materials = [{ name: "silver", bottom: silver }];
     await open(page, addressOf({ materials, object: "ball" }));
-    const steps = () =>
-      page.locator(".stage canvas").evaluate((element) => {
-        const { width, height } = element as HTMLCanvasElement;
-        const context = new OffscreenCanvas(width, height).getContext("2d")!;
-        context.drawImage(element as HTMLCanvasElement, 0, 0);
-        const { data } = context.getImageData(0, 0, width, height);
-        const grey = (radius: number, angle: number) => {
-          const x = Math.round(width / 2 + radius * Math.cos(angle));
-          const y = Math.round(height / 2 + radius * Math.sin(angle));
-          return data[4 * (y * width + x) + 1]!;
-        };
-        const radius = 0.318 * height; // of the ball at zoom 1
-        const angles = Array.from({ length: 36 }, (_, k) => (Math.PI / 18) * k);
-        return angles
-          .map((angle) => Math.abs(grey(0.94 * radius, angle) - grey(1.06 * radius, angle)))
-          .sort((a, b) => a - b);
-      });
+    const steps = async () => {
+      const { width, height, at } = await seen(page);
+      const radius = 0.318 * height; // of the ball at zoom 1
+      const grey = (share: number, angle: number) => {
+        const [x, y] = [Math.cos(angle), Math.sin(angle)].map((way) => share * radius * way);
+        return at(Math.round(width / 2 + x!), Math.round(height / 2 + y!))[1];
+      };
+      return Array.from({ length: 36 }, (_, k) => (Math.PI / 18) * k)
+        .map((angle) => Math.abs(grey(0.94, angle) - grey(1.06, angle)))
+        .sort((a, b) => a - b);
+    };
     // A tenth of the contour may be fainter.
     await expect.poll(async () => (await steps())[3]).toBeGreaterThan(15);
   });
@@ -214,22 +210,20 @@ test.describe("a coarse first frame", () => {
     const silver = { name: "silver", bottom: { kind: "conductor", alpha: 0.05, ...METALS.Silver } };
     await open(page, addressOf({ materials: [silver] }));
     /** Mean step, of every four pixels along the rim, of what is darkest there. */
-    const step = () =>
-      page.locator(".stage canvas").evaluate((element) => {
-        const { width, height } = element as HTMLCanvasElement;
-        const context = new OffscreenCanvas(width, height).getContext("2d")!;
-        context.drawImage(element as HTMLCanvasElement, 0, 0);
-        const part = [0.25 * width, 0.3 * height, 0.5 * width, 0.07 * height].map(Math.round);
-        const { data } = context.getImageData(...(part as [number, number, number, number]));
-        const darkest = Array.from({ length: Math.floor(part[2]! / 4) }, (_, k) =>
-          Math.min(
-            ...Array.from({ length: part[3]! }, (_, y) => data[4 * (y * part[2]! + 4 * k) + 1]!),
+    const step = async () => {
+      const { width, height, at } = await seen(page);
+      const darkest = Array.from({ length: Math.floor(width / 8) }, (_, k) =>
+        Math.min(
+          ...Array.from(
+            { length: Math.round(0.07 * height) },
+            (_, y) => at(Math.round(0.25 * width) + 4 * k, Math.round(0.3 * height) + y)[1],
           ),
-        );
-        if (Math.max(...darkest) === 0) return Infinity; // not drawn yet
-        const steps = darkest.slice(1).map((value, k) => Math.abs(value - darkest[k]!));
-        return steps.reduce((sum, value) => sum + value) / steps.length;
-      });
+        ),
+      );
+      if (Math.max(...darkest) === 0) return Infinity; // not drawn yet
+      const steps = darkest.slice(1).map((value, k) => Math.abs(value - darkest[k]));
+      return steps.reduce((sum, value) => sum + value) / steps.length;
+    };
     await expect.poll(step).toBeLessThan(7); // dashes have 17
   });
 });
@@ -312,7 +306,7 @@ test.describe("in a small picture", () => {
 /** Hill's fit of ACES (BakingLab, ACES.hlsl), with the exposure of three.js. */
 function filmic(light: number[]): number[] {
   const times = (rows: number[][], v: number[]) =>
-    rows.map((row) => row.reduce((sum, x, k) => sum + x * v[k]!, 0));
+    rows.map((row) => row.reduce((sum, x, k) => sum + x * v[k], 0));
   const inner = times(
     [
       [0.59719, 0.35458, 0.04823],
@@ -371,7 +365,7 @@ test.describe("a saved picture", () => {
     };
     const picture = async (label = "Picture") => {
       await expect(page.locator(".status[data-converged=true]")).toBeVisible();
-      return pixelsOf(page, (await saved(page, label)).text);
+      return pixelsOf(page, Buffer.from((await saved(page, label)).text, "latin1"));
     };
     await choose("Background", "transparent");
     const one = await picture();
@@ -387,8 +381,8 @@ test.describe("a saved picture", () => {
       const differences = [...linear.pixels].map((_, at) => {
         const [pixel, k] = [Math.floor(at / 3), at % 3];
         if (one.data[4 * pixel + 3] !== 255) return 0;
-        const known = curve([...linear.pixels.subarray(3 * pixel, 3 * pixel + 3)])[k]!;
-        return Math.abs(data[4 * pixel + k]! - 255 * encoded(known));
+        const known = curve([...linear.pixels.subarray(3 * pixel, 3 * pixel + 3)])[k];
+        return Math.abs(data[4 * pixel + k] - 255 * encoded(known));
       });
       // Half a step of rounding, and half a step of noise
       expect(Math.max(...differences), tone).toBeLessThan(1.1);
@@ -406,7 +400,7 @@ test.describe("a saved picture", () => {
     let sum = 0;
     for (let y = 0; y < one.height; y++)
       for (let x = 0; x < one.width; x++) {
-        const of = ([i, j]: number[]) => two.data[4 * ((2 * y + j!) * two.width + 2 * x + i!) + 3]!;
+        const of = ([i, j]: number[]) => two.data[4 * ((2 * y + j!) * two.width + 2 * x + i!) + 3];
         const mean =
           [
             [0, 0],
@@ -416,23 +410,11 @@ test.describe("a saved picture", () => {
           ]
             .map(of)
             .reduce((a, b) => a + b) / 4;
-        sum += Math.abs(mean - one.data[4 * (y * one.width + x) + 3]!);
+        sum += Math.abs(mean - one.data[4 * (y * one.width + x) + 3]);
       }
     expect(sum / (one.width * one.height)).toBeLessThan(1);
   });
 });
-
-/** The pixels (RGBA, the first row at the top) of a PNG file. */
-async function pixelsOf(page: import("@playwright/test").Page, file: string) {
-  return page.evaluate(async (text) => {
-    const bytes = Uint8Array.from(text, (character) => character.charCodeAt(0));
-    const bitmap = await createImageBitmap(new Blob([bytes]));
-    const { width, height } = bitmap;
-    const context = new OffscreenCanvas(width, height).getContext("2d")!;
-    context.drawImage(bitmap, 0, 0);
-    return { width, height, data: [...context.getImageData(0, 0, width, height).data] };
-  }, file);
-}
 
 test.describe("at the screen's resolution", () => {
   test.use({ deviceScaleFactor: 1, picture: false });

@@ -6,7 +6,7 @@ import { join } from "node:path";
 import type { Page } from "@playwright/test";
 import { encoded } from "../../src/material/colour";
 import { python } from "../python";
-import { expect, test } from "./page";
+import { expect, pixelsOf, test } from "./page";
 
 interface Pixel {
   place: [number, number];
@@ -35,7 +35,7 @@ test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
 async function show(page: Page, baseURL: string, samples: number): Promise<void> {
   const root = new URL("threejs/", baseURL).href;
   await page.route(`${root}**`, (route) => {
-    const path = new URL(route.request().url()).pathname.split("/threejs/")[1]!;
+    const path = new URL(route.request().url()).pathname.split("/threejs/")[1];
     const [first, ...rest] = path.split("/");
     if (first === "node_modules") return route.fulfill({ path: join(MODULES, ...rest) });
     if (first!.startsWith("material.")) return route.fulfill({ path: join(folder, first) });
@@ -48,18 +48,9 @@ async function show(page: Page, baseURL: string, samples: number): Promise<void>
 
 /** What the screen shows at the places, in [0, 255]. */
 async function shown(page: Page): Promise<number[][]> {
-  const png = (await page.screenshot()).toString("base64");
-  return page.evaluate(
-    async ([png, places]) => {
-      const image = new Image();
-      image.src = `data:image/png;base64,${png}`;
-      await image.decode();
-      const context = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
-      context.drawImage(image, 0, 0);
-      const { data, width } = context.getImageData(0, 0, image.width, image.height);
-      return places.map(([x, y]) => [0, 1, 2].map((k) => data[4 * (y * width + x) + k]!));
-    },
-    [png, pixels.map(({ place }) => place)] as const,
+  const { data, width } = await pixelsOf(page, await page.screenshot());
+  return pixels.map(({ place: [x, y] }) =>
+    data.slice(4 * (y * width + x), 4 * (y * width + x) + 3),
   );
 }
 
@@ -67,7 +58,7 @@ async function shown(page: Page): Promise<number[][]> {
 async function errors(page: Page, expected: (pixel: Pixel, channel: number) => number) {
   const colours = await shown(page);
   return pixels.flatMap((pixel, at) =>
-    [0, 1, 2].map((k) => Math.abs(colours[at]![k]! - 255 * encoded(expected(pixel, k)))),
+    [0, 1, 2].map((k) => Math.abs(colours[at][k] - 255 * encoded(expected(pixel, k)))),
   );
 }
 
@@ -75,13 +66,13 @@ test("lights give f times irradiance and cosine, and the sky comes out by the ex
   tag: "@long",
 }, async ({ page, baseURL }) => {
   await show(page, baseURL!, 0);
-  const found = await errors(page, ({ lights }, k) => lights[k]!);
+  const found = await errors(page, ({ lights }, k) => lights[k]);
   expect(found.length).toBeGreaterThan(150);
   // One step is rounding; the triangles of the sphere move the steep edge of a highlight.
   expect(Math.max(...found)).toBeLessThan(2);
 
   await show(page, baseURL!, 64);
-  const lit = await errors(page, ({ lights, sky }, k) => lights[k]! + sky[k]!);
+  const lit = await errors(page, ({ lights, sky }, k) => lights[k] + sky[k]);
   // 64 points of a sequence, of weights near 1, leave an error of a few percent of the sky.
   expect(Math.max(...lit)).toBeLessThan(8);
 });

@@ -10,15 +10,15 @@ test("a table's rows become columns, its directions half vectors", () => {
   const column = (row: number) => texels.subarray(4 * (4 * row + 2), 4 * (4 * row + 2) + 4);
   const half = column(2);
   const wi = [Math.sqrt(1 - (5 / 8) ** 2), 0, 5 / 8];
-  const along = 2 * wi.reduce((sum, part, k) => sum + part * half[k]!, 0);
+  const along = 2 * wi.reduce((sum, part, k) => sum + part * half[k], 0);
   wo.forEach((part, k) => {
-    expect(along * half[k]! - wi[k]!).toBeCloseTo(part, 5);
+    expect(along * half[k] - wi[k]).toBeCloseTo(part, 5);
   });
   expect(half[3]).toBe(3);
   // The weights have lost those of the diffuse part; the mean of all is the albedo.
   [41, 42, 43].forEach((weight, k) => {
     expect(column(5)[k]).toBeCloseTo(weight / 2, 4);
-    expect(column(3)[k]! + (column(4)[k]! * wo[2]!) / (8 * Math.PI)).toBeCloseTo(weight, 4);
+    expect(column(3)[k] + (column(4)[k] * wo[2]) / (8 * Math.PI)).toBeCloseTo(weight, 4);
   });
 });
 

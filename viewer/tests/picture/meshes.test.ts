@@ -1,64 +1,45 @@
 import { expect, test } from "vitest";
 import { cameraOf } from "../../src/picture/camera";
-import { type Mesh, meshOf, VERTEX_NUMBERS } from "../../src/picture/meshes";
+import { meshOf, VERTEX_NUMBERS } from "../../src/picture/meshes";
+import { cross, dot, minus, type Vector } from "../../src/picture/vectors";
 import { INITIAL, OBJECTS } from "../../src/state/state";
 
-function vertex(mesh: Mesh, face: number, corner: number): number[] {
-  const at = VERTEX_NUMBERS * mesh.faces[3 * face + corner]!;
-  return [...mesh.vertices.subarray(at, at + 6)];
-}
+const at = (numbers: Float32Array, vertex: number, width: number, first = 0) =>
+  numbers.subarray(
+    width * vertex + first,
+    width * vertex + first + 3,
+  ) as ArrayLike<number> as Vector;
 
-test.each(OBJECTS)("%s: faces are seen from outside, as the normals say", (name) => {
-  const mesh = meshOf(name);
-  let agreeing = 0;
-  let seen = 0;
-  for (let face = 0; face < mesh.faces.length / 3; face++) {
-    const [a, b, c] = [0, 1, 2].map((corner) => vertex(mesh, face, corner)) as number[][];
-    const [u, v] = [b!, c!].map((point) => [0, 1, 2].map((k) => point[k]! - a![k]!)) as number[][];
-    const normal = [
-      u![1]! * v![2]! - u![2]! * v![1]!,
-      u![2]! * v![0]! - u![0]! * v![2]!,
-      u![0]! * v![1]! - u![1]! * v![0]!,
-    ];
-    if (Math.hypot(...normal) < 1e-9) continue; // at a pole
+test.each(OBJECTS)("%s: unit normals, outwards, unit tangents across, in a ball", (name) => {
+  const { vertices, tangents, faces, centre, radius } = meshOf(name);
+  let [length, slant, farthest] = [0, 0, 0];
+  for (let i = 0; i < tangents.length / 3; i++) {
+    const normal = at(vertices, i, VERTEX_NUMBERS, 3);
+    const tangent = at(tangents, i, 3);
+    for (const way of [normal, tangent]) length = Math.max(length, Math.abs(dot(way, way) - 1));
+    slant = Math.max(slant, Math.abs(dot(normal, tangent)));
+    farthest = Math.max(farthest, Math.hypot(...minus(at(vertices, i, VERTEX_NUMBERS), centre)));
+  }
+  expect(length).toBeLessThan(2e-5);
+  expect(slant).toBeLessThan(1e-4);
+  expect(farthest).toBeCloseTo(radius, 5);
+  let [agreeing, seen] = [0, 0];
+  for (let face = 0; face < faces.length; face += 3) {
+    const [a, b, c] = [0, 1, 2].map((k) => at(vertices, faces[face + k], VERTEX_NUMBERS));
+    const outwards = cross(minus(b!, a!), minus(c!, a!));
+    if (Math.hypot(...outwards) < 1e-9) continue; // at a pole
     seen++;
-    if (normal.reduce((sum, part, k) => sum + part * a![3 + k]!, 0) > 0) agreeing++;
+    agreeing += Number(dot(outwards, at(vertices, faces[face], VERTEX_NUMBERS, 3)) > 0);
   }
   expect(agreeing / seen).toBeGreaterThan(0.995);
-});
-
-test.each(OBJECTS)("%s: normals are unit vectors, and the ball around it holds it", (name) => {
-  const mesh = meshOf(name);
-  let [farthest, deviation] = [0, 0];
-  for (let at = 0; at < mesh.vertices.length; at += VERTEX_NUMBERS) {
-    const [x, y, z, ...normal] = mesh.vertices.subarray(at, at + 6);
-    deviation = Math.max(deviation, Math.abs(Math.hypot(...normal) - 1));
-    const away = Math.hypot(x! - mesh.centre[0], y! - mesh.centre[1], z! - mesh.centre[2]);
-    farthest = Math.max(farthest, away);
-  }
-  expect(deviation).toBeLessThan(1e-5);
-  expect(farthest).toBeCloseTo(mesh.radius, 5);
-});
-
-test.each(OBJECTS)("%s: tangents are unit vectors in the surface", (name) => {
-  const { vertices, tangents } = meshOf(name);
-  let [deviation, slant] = [0, 0];
-  for (let i = 0; i < tangents.length / 3; i++) {
-    const tangent = tangents.subarray(3 * i, 3 * i + 3);
-    const normal = vertices.subarray(VERTEX_NUMBERS * i + 3, VERTEX_NUMBERS * i + 6);
-    deviation = Math.max(deviation, Math.abs(Math.hypot(...tangent) - 1));
-    slant = Math.max(slant, Math.abs(tangent.reduce((sum, x, k) => sum + x * normal[k]!, 0)));
-  }
-  expect(deviation).toBeLessThan(1e-5);
-  expect(slant).toBeLessThan(1e-4);
 });
 
 test("tangents go round the bowl's axis, and along the sheet", () => {
   const bowl = meshOf("bowl");
   for (let i = 0; i < bowl.tangents.length / 3; i++) {
-    const [x, y] = bowl.vertices.subarray(VERTEX_NUMBERS * i, VERTEX_NUMBERS * i + 2);
-    const [u, v, w] = bowl.tangents.subarray(3 * i, 3 * i + 3);
-    expect(Math.abs(x! * u! + y! * v!) + Math.abs(w!)).toBeLessThan(1e-4);
+    const [x, y] = at(bowl.vertices, i, VERTEX_NUMBERS);
+    const [u, v, w] = at(bowl.tangents, i, 3);
+    expect(Math.abs(x * u + y * v) + Math.abs(w)).toBeLessThan(1e-4);
   }
   const sheet = meshOf("sheet");
   for (let i = 0; i < sheet.tangents.length / 3; i++)
@@ -67,18 +48,15 @@ test("tangents go round the bowl's axis, and along the sheet", () => {
 
 test("the ball is round", () => {
   const { vertices } = meshOf("ball");
-  let deviation = 0;
-  for (let at = 0; at < vertices.length; at += VERTEX_NUMBERS) {
-    const outwards = [vertices[at]!, vertices[at + 1]!, vertices[at + 2]! - 1];
-    const away = outwards.map((part, k) => Math.abs(vertices[at + 3 + k]! - part));
-    deviation = Math.max(deviation, ...away);
+  for (let i = 0; i < vertices.length / VERTEX_NUMBERS; i++) {
+    const outwards = minus(at(vertices, i, VERTEX_NUMBERS), [0, 0, 1]);
+    expect(Math.hypot(...minus(at(vertices, i, VERTEX_NUMBERS, 3), outwards))).toBeLessThan(0.01);
   }
-  expect(deviation).toBeLessThan(0.01);
 });
 
 function projected(matrix: number[], point: readonly number[]): number[] {
   const [x, y, z, w] = [0, 1, 2, 3].map((row) =>
-    [...point, 1].reduce((sum, part, column) => sum + matrix[4 * column + row]! * part, 0),
+    [...point, 1].reduce((sum, part, column) => sum + matrix[4 * column + row] * part, 0),
   ) as [number, number, number, number];
   return [x / w, y / w, z / w];
 }
@@ -107,15 +85,15 @@ test("a shift moves the picture by parts of it", () => {
   const view = { ...INITIAL.view, azimuth: 0, elevation: 0 };
   const still = projected(cameraOf(mesh, view, 1).projection, [0.3, 0.2, 1.4]);
   const moved = projected(cameraOf(mesh, view, 1, [0.01, -0.02]).projection, [0.3, 0.2, 1.4]);
-  expect(moved[0]! - still[0]!).toBeCloseTo(0.01, 6);
-  expect(moved[1]! - still[1]!).toBeCloseTo(-0.02, 6);
+  expect(moved[0] - still[0]).toBeCloseTo(0.01, 6);
+  expect(moved[1] - still[1]).toBeCloseTo(-0.02, 6);
 });
 
 test("the field of view is the angle of the picture's height where the ball around the object fills 80 %", () => {
   const mesh = meshOf("ball");
   for (const fov of [5, 24, 60]) {
     const { eye } = cameraOf(mesh, { ...INITIAL.view, fov }, 1);
-    const distance = Math.hypot(...eye.map((x, k) => x - mesh.centre[k]!));
+    const distance = Math.hypot(...eye.map((x, k) => x - mesh.centre[k]));
     const height = 2 * distance * Math.tan((fov * Math.PI) / 360);
     expect((2 * mesh.radius) / height).toBeCloseTo(0.8, 9);
   }

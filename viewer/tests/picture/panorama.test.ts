@@ -13,9 +13,9 @@ function irradiance({ width, height, pixels }: Panorama, normal: readonly number
         Math.sin(theta) * Math.cos(phi),
         Math.cos(theta),
       ];
-      const cosine = way.reduce((total, part, k) => total + part * normal[k]!, 0);
+      const cosine = way.reduce((total, part, k) => total + part * normal[k], 0);
       const solidAngle = (2 * Math.PI ** 2 * Math.sin(theta)) / (width * height);
-      sum += Math.max(cosine, 0) * solidAngle * pixels[3 * (y * width + x)]!;
+      sum += Math.max(cosine, 0) * solidAngle * pixels[3 * (y * width + x)];
     }
   return sum;
 }
@@ -41,7 +41,7 @@ describe("bright lights", () => {
       [0.6, 0.48, 0.64],
     ]) {
       const direct = taken.lights.reduce((sum, { direction, power }) => {
-        const cosine = direction.reduce((total, part, k) => total + part * normal[k]!, 0);
+        const cosine = direction.reduce((total, part, k) => total + part * normal[k], 0);
         return sum + Math.max(cosine, 0) * power[0];
       }, 0);
       const whole = irradiance(panorama, normal);

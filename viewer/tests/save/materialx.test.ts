@@ -24,7 +24,7 @@ function inputs(text: string): Record<string, number | number[]> {
   return Object.fromEntries(
     [...found].map(([, name, value]) => {
       const numbers = value!.split(",").map(Number);
-      return [name!, numbers.length === 1 ? numbers[0]! : numbers];
+      return [name!, numbers.length === 1 ? numbers[0] : numbers];
     }),
   );
 }
@@ -50,7 +50,7 @@ test("a tinted coat over gold is written by the formulas of the specification", 
   expect((1 - anisotropy) * along).toBeCloseTo(0.03, 5);
   // Gold under the index 1.5, in air's units: Fresnel at normal incidence.
   METALS.Gold!.eta.forEach((n, k) => {
-    const [eta, extinction] = [n / (1.5 / 1.000277), METALS.Gold!.k[k]! / (1.5 / 1.000277)];
+    const [eta, extinction] = [n / (1.5 / 1.000277), METALS.Gold!.k[k] / (1.5 / 1.000277)];
     const f0 = ((eta - 1) ** 2 + extinction ** 2) / ((eta + 1) ** 2 + extinction ** 2);
     expect((found.base_color as number[])[k]).toBeCloseTo(f0, 9);
   });
@@ -96,7 +96,7 @@ test.each([
   // Dyes are darker on slanted paths, which OpenPBR's colour ignores, and so is what is lost.
   const tolerance = told ? 0.3 : 0.15;
   own!.forEach((share, k) => {
-    expect(Math.abs(written![k]! - share)).toBeLessThan(0.02 + tolerance * share);
+    expect(Math.abs(written![k] - share)).toBeLessThan(0.02 + tolerance * share);
   });
 });
 

@@ -76,8 +76,8 @@ test.skipIf(!hasPython)(
       mkdirSync(files);
       const stack = stackOf(material);
       const at = Number(isAnisotropic(stack));
-      const core = cores[at]!;
-      const [template, fingerprint] = networks[at]!;
+      const core = cores[at];
+      const [template, fingerprint] = networks[at];
       const codes = core.layer(stack);
       const { latentSize, widths } = core;
       const file = materialFile(codes, { latentSize, widths, fingerprint });
@@ -102,7 +102,7 @@ test.skipIf(!hasPython)(
       // Python computes in single precision: roundings of sums of many terms, and of least squares.
       // Tables of materials with energy compensation are of half precision in files and in Python,
       // and steep below a lower index, where roundings of coordinates count.
-      const hasTable = isCompensated(cards[place]!);
+      const hasTable = isCompensated(cards[place]);
       expect(relativeError(found.loaded, f)).toBeLessThan(hasTable ? 6e-3 : 5e-4);
       expect(relativeError(found.albedo, albedo, 0.01)).toBeLessThan(hasTable ? 6e-3 : 2e-3);
       // Directions of sharp lobes amplify rounding by 1 / alpha.
@@ -110,11 +110,11 @@ test.skipIf(!hasPython)(
       // They follow the transmittance, which is steep beside the critical angle.
       expect(relativeError(found.densities, densities)).toBeLessThan(0.02);
       // The channels of two widths have a stretch each, those of code share one.
-      const hasCode = !hasTable && !isAnisotropic(stackOf(cards[place]!));
+      const hasCode = !hasTable && !isAnisotropic(stackOf(cards[place]));
       if (hasCode) expect(relativeError(found.code, f)).toBeLessThan(2e-4);
       // Losses of surfaces are sums over few facets, albedos that limit codes over few directions.
       const most = place < given.length ? [5e-4, 6e-3] : [1e-3, 0.02];
-      expect(relativeError(found.program, f)).toBeLessThan(most[Number(hasTable)]!);
+      expect(relativeError(found.program, f)).toBeLessThan(most[Number(hasTable)]);
     }
   },
 );

@@ -10,12 +10,6 @@ test("numbers have a point and read back as the same number of single precision"
   expect(shaderNumber(Math.fround(0.1))).toBe("0.1");
 });
 
-test("a template gets the numbers of each code and channel", () => {
-  const template = "a[0] = (code_0_red, code_0_green, code_0_blue); a[11] = code_11_green;";
-  const latents = Float32Array.from({ length: 36 }, (_, k) => k / 2);
-  expect(shaderText(template, { latents })).toBe("a[0] = (0.0, 6.0, 12.0); a[11] = 11.5;");
-});
-
 test("a template of anisotropic networks gets the tangent", () => {
   const template = "x = code_tangent_x; y = code_tangent_y;";
   const latents = new Float32Array(3);

@@ -13,10 +13,9 @@ const CODES: State = withMaterial(INITIAL, {
   solo: 1,
 });
 
-test.each([INITIAL, CODES])("an address holds the whole state", (state) => {
-  const address = toAddress(state);
-  expect(fromAddress(address)).toEqual(state);
-  expect(fromAddress(`#${address}`)).toEqual(state);
+test("an address holds codes, too", () => {
+  const address = toAddress(CODES);
+  expect(fromAddress(`#${address}`)).toEqual(CODES);
   expect(address).toMatch(/^u2\.[0-9a-z]+\.[\w-]+$/);
 });
 

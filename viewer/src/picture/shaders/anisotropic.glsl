@@ -10,7 +10,7 @@ uniform float rotation; // of the material's tangent [radians]
 // The frame along the tangent, mirrored so that the view is in the first quadrant.
 Frame tangentFrame(Frame frame, ivec2 pixel) {
     vec4 stored = texelFetch(normals, pixel, 0);
-    mat3 axes = basis(normalize(stored.xyz));
+    mat3 axes = basis(stored.xyz);
     float angle = stored.w + rotation;
     vec3 tangent = turned(cos(angle) * axes[0] + sin(angle) * axes[1]);
     tangent = normalize(tangent - dot(tangent, frame.z) * frame.z);

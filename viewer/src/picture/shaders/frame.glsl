@@ -40,7 +40,7 @@ vec3 own; // light of the object itself where it hides the environment
 Frame frameAt(ivec2 pixel, vec4 position) {
     float bend = footprint * (position.w - 1.0);
     spread = bend * bend / (bend + 0.15); // next to nothing where the surface hardly bends
-    vec3 normal = turned(normalize(texelFetch(normals, pixel, 0).xyz));
+    vec3 normal = turned(texelFetch(normals, pixel, 0).xyz);
     vec3 view = turned(normalize(eye - position.xyz));
     float cosine = dot(normal, view);
     // Smooth normals may turn away at the silhouette, where a coarse pixel shows the mean of many.

@@ -23,6 +23,6 @@ void main() {
     position = vec4(worldPosition, gl_FrontFacing ? 1.0 + min(across, 1.5) : -1.0);
     open = vec4(normalize(opening.xyz), opening.w);
     mat3 frame = basis(unit);
-    normal = vec4(worldNormal, atan(dot(worldTangent, frame[1]), dot(worldTangent, frame[0])));
+    normal = vec4(unit, atan(dot(worldTangent, frame[1]), dot(worldTangent, frame[0])));
     at = vec4(toTexture * vec3(uv, 1.0), 0.0, 0.0);
 }
