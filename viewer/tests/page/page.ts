@@ -148,15 +148,18 @@ export async function enter(page: Page, name: string, value: string | number): P
 
 /** What the canvas shows: red, green and blue in [0, 255] at places [pixels], and its size. */
 export async function seen(page: Page) {
-  const { width, height, data } = await page.locator(".stage canvas").evaluate((element) => {
+  const { width, height, text } = await page.locator(".stage canvas").evaluate((element) => {
     const { width, height } = element as HTMLCanvasElement;
     const context = new OffscreenCanvas(width, height).getContext("2d")!;
     context.drawImage(element as HTMLCanvasElement, 0, 0);
-    return { width, height, data: [...context.getImageData(0, 0, width, height).data] };
+    const { data } = context.getImageData(0, 0, width, height);
+    // A list of millions of numbers would take long.
+    return { width, height, text: Object(new Uint8Array(data.buffer)).toBase64() as string };
   });
-  const at = (x: number, y: number) => {
+  const data = Buffer.from(text, "base64");
+  const at = (x: number, y: number): number[] => {
     const first = 4 * (Math.floor(y) * width + Math.floor(x));
-    return data.slice(first, first + 3);
+    return [...data.subarray(first, first + 3)];
   };
   return { width, height, at };
 }
