@@ -165,36 +165,6 @@ def test_eval_pdf_and_sample_agree_between_texels(rgb, differentiable):
     np.testing.assert_allclose((again / pdf).numpy(), weight.numpy(), rtol=1e-3)
 
 
-@pytest.mark.parametrize("name", ("layered", "neural_layered"))
-def test_mesh_attributes_and_volumes(rgb, name):
-    mesh = rgb.Mesh("triangle", 3, 1)
-    parameters = rgb.traverse(mesh)
-    parameters["vertex_positions"] = [-3, -3, 0, 3, -3, 0, 0, 3, 0]
-    parameters["faces"] = [0, 1, 2]
-    parameters.update()
-    mesh.add_attribute("vertex_value", 1, np.float32([0.3, 0.3, 0.3]))
-    mesh.add_attribute("vertex_index", 1, np.float32([1.3, 1.3, 1.3]))
-    scene = rgb.load_dict({"type": "scene", "mesh": mesh})
-    u = np.random.default_rng(0).uniform(-1, 1, (2, 1 << 14)).astype(np.float32)
-    si = scene.ray_intersect(rgb.Ray3f(rgb.Point3f(*u, 1), rgb.Vector3f(0, 0, -1)))
-    place = rgb.ScalarTransform4f().translate(-2).scale(4)
-    grid = rgb.VolumeGrid(np.full((2, 2, 2, 1), 0.3, np.float32))
-    volume = {"type": "gridvolume", "grid": grid, "raw": True, "to_world": place}
-    wo = rgb.Vector3f(0.6, 0, 0.8)
-
-    def mean(value, index=1.3) -> np.ndarray:
-        coat = {"type": name, "base": {"type": "diffuse"}, "sigma_t": 1.0, "int_ior": index}
-        bsdf = rgb.load_dict(coat | {"alpha": value, "albedo": value})
-        return bsdf.eval(rgb.BSDFContext(), si, wo).numpy().mean(axis=1)
-
-    # The walks are the same, except for a few that rounding sends another way. A code lacks 1 %.
-    attribute = {"type": "mesh_attribute", "name": "vertex_value"}
-    for value in (attribute, {"type": "volume", "volume": volume}):
-        np.testing.assert_allclose(mean(value), mean(0.3), rtol=2e-2)
-    index = {"type": "mesh_attribute", "name": "vertex_index"}
-    np.testing.assert_allclose(mean(0.3, index), mean(0.3), rtol=2e-2)
-
-
 def test_a_width_on_a_mesh_has_all_values_near_the_other_one(rgb):
     """Codes have ratios of widths up to 10."""
     from urushi.mitsuba.reading.parameters import CoatTextures
