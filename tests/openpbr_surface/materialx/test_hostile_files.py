@@ -22,6 +22,8 @@ SURFACE = '<open_pbr_surface name="s" type="surfaceshader">{}</open_pbr_surface>
 INPUT = SURFACE.format('<input name="base_color" type="color3" {}/>')
 COLOUR = INPUT.format('nodename="n"')
 IMAGE = """<image name="n" type="color3"><input name="file" type="filename" value="{}"/></image>"""
+MATERIAL = """<surfacematerial name="m" type="material">
+    <input name="surfaceshader" type="surfaceshader" {}="{}"/></surfacematerial>"""
 LINK = '<add name="{}" type="color3"><input name="in1" type="color3" nodename="{}"/></add>'
 
 
@@ -127,9 +129,28 @@ BODIES = {
     "no graph": (INPUT.format('interfacename="c"'), "from a node graph, but is not inside one"),
     "no parameter": (SURFACE.format('<input name="colour" type="color3"/>'), "no parameter"),
     "no unit": (INPUT.format('value="1, 1, 1" unit="cubit"'), "in 'cubit', an unknown unit; use"),
-    "no shader": (
+    "no shader": (MATERIAL.format("nodename", "n"), "which does not exist"),
+    "no connection": (
         '<surfacematerial name="m" type="material"/>',
         "is connected to no surface shader",
+    ),
+    "no such shader": (
+        '<simple_hair name="s" type="surfaceshader"/>',
+        "of kind simple_hair, which is not read; translate it to",
+    ),
+    "an empty mixture": (
+        '<mix name="s" type="surfaceshader"/>' + MATERIAL.format("nodename", "s"),
+        r"node 's' \(mix\): its bg is connected to no surface shader",
+    ),
+    "a mixture with itself": (
+        """<mix name="s" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
+        <input name="bg" type="surfaceshader" nodename="s"/></mix>"""
+        + MATERIAL.format("nodename", "s"),
+        "mixes more than 16 surface shaders",
+    ),
+    "a direction in space": (
+        SURFACE.format('<input name="geometry_normal" type="vector3" value="1, 0, 1"/>'),
+        "geometry_normal is a constant direction in space",
     ),
     **{
         name[:20]: (

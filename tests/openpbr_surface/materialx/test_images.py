@@ -215,9 +215,3 @@ def test_normal_maps_are_in_the_tangent_frame(textured):
     unit = 2 * PIXELS * [1, 1, 0.5] + [-1, -1, 0]
     stored = 0.5 * unit / np.linalg.norm(unit, axis=-1, keepdims=True) + 0.5
     assert np.allclose(textured(body, pixels=stored, shader=NORMAL).pixels, stored, atol=1e-6)
-
-
-def test_directions_in_space_are_refused(textured):
-    body = element("constant", "vector3", value=("vector3", "1,0,1"))
-    with pytest.raises(FileError, match="geometry_normal is a constant direction in space"):
-        textured(body, shader=NORMAL)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from urushi.errors import FileError, ParameterError, UrushiWarning
+from urushi.errors import ParameterError, UrushiWarning
 from urushi.openpbr_surface.materialx.surface import read_surface
 
 SHADER = """<open_pbr_surface name="s" type="surfaceshader">
@@ -102,8 +102,9 @@ INTERFACE = SHADER.format('interfacename="c"') + OUTPUT
         <input name="c" type="color3" nodename="paint"/></coat_of_paint>
         {OF_NODE.replace('"s"', '"p"')}""",
         f'{RED}<nodegraph name="g">{GREEN}{INSIDE}</nodegraph>',
+        f'<input name="c" type="color3" value="0, 1, 0"/>{INTERFACE}',
     ],
-    ids=["graph", "material", "nested", "interface", "value", "functional", "shader only"],
+    ids=["graph", "material", "nested", "interface", "value", "functional", "shader", "document"],
 )
 def test_names_belong_to_their_graph(document, body):
     """The shader's colour is green; a node of the same name in another scope is red."""
@@ -126,24 +127,6 @@ def test_shaders_of_other_sides_are_named(document):
             read_surface(document(displaced.format(*given)))
     flat = displaced.format("displacementshader", "displacementshader", "d").replace("0.1", "0")
     read_surface(document(flat))
-
-
-def test_unknown_shaders_are_refused(document):
-    with pytest.raises(FileError, match="of kind simple_hair, which is not read; translate it to"):
-        read_surface(document('<simple_hair name="s" type="surfaceshader"/>'))
-    mix = """<mix name="m" type="surfaceshader"/><surfacematerial name="x" type="material">
-        <input name="surfaceshader" type="surfaceshader" nodename="m"/></surfacematerial>"""
-    with pytest.raises(FileError, match=r"node 'm' \(mix\): its bg is connected to no surface"):
-        read_surface(document(mix))
-    chain = "".join(
-        f"""<mix name="m{k}" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
-        <input name="bg" type="surfaceshader" nodename="m{k - 1}"/>
-        <input name="fg" type="surfaceshader" nodename="m{k - 1}"/></mix>"""
-        for k in range(1, 40)
-    )
-    shader = '<open_pbr_surface name="m0" type="surfaceshader"/>'
-    with pytest.raises(FileError, match="mixes more than 16 surface shaders"):
-        read_surface(document(shader + chain), "m39")
 
 
 def test_an_old_document_is_upgraded(tmp_path):

@@ -8,18 +8,15 @@ from functools import cache, partial
 
 import numpy as np
 
-from urushi.errors import FileError, UrushiError
+from urushi.errors import FileError
 from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
-from urushi.openpbr_surface.materialx.graph import Graph, Node, Source, library
+from urushi.openpbr_surface.materialx.graph import MAX_CHAIN, Graph, Node, Source, library
 from urushi.openpbr_surface.materialx.images import ADDRESS_MODES, ImageUse, hextiles, sample
 from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES
 from urushi.openpbr_surface.materialx.shaders import FILM_UNITS
 
 #: Number of points at which a graph is evaluated first, to find the images that it depends on.
 PROBES = 64
-
-#: Largest number of nodes that are connected in a row.
-MAX_CHAIN = 80
 
 #: Largest number of nodes that are evaluated for one parameter, with the nodes inside of others.
 MAX_NODES = 2048
@@ -120,22 +117,6 @@ class Evaluation:
         self._open.pop()
         return self._values[node]
 
-    def text(self, node: Node, name: str) -> tuple[str, str]:
-        """The text of an input of type string, or filename: with its prefix and tokens.
-
-        Returns:
-            The text, "" if there is none, and its colour space.
-        """
-        source = node.source(name)
-        for _ in range(MAX_CHAIN):
-            if source is None:
-                break
-            if source.node is None:
-                return source.element.getResolvedValueString(), source.element.getActiveColorSpace()
-            link = {"constant": "value", "dot": "in"}.get(source.node.tag, "")
-            source = source.node.source(link)
-        return "", ""
-
     def _property(self, name: str, where: str) -> np.ndarray:
         """A geometric property, or what a node of this name gives."""
         if name in _DIRECTIONS:
@@ -158,7 +139,7 @@ class Evaluation:
         tag, kind, where = node.tag, node.type, node.where
         if tag in ("normal", "tangent", "bitangent", "position"):
             return self._property(tag, where)
-        if tag == "texcoord" or node.reads_uv:
+        if tag == "texcoord" or (tag == "geompropvalue" and kind == "vector2"):
             return self.texture_coordinates(3 if kind == "vector3" else 2)
         if tag in ("image", "hextiledimage"):
             return self._image(node)
@@ -171,8 +152,6 @@ class Evaluation:
         try:
             value = np.asarray(NODES[tag](node, partial(self.input, node)), np.float64)
         except (ValueError, IndexError) as error:
-            if isinstance(error, UrushiError):
-                raise
             raise FileError(
                 f"{where} has inputs whose numbers of channels do not match its type; check them"
             ) from error
@@ -189,10 +168,10 @@ class Evaluation:
         channels = CHANNELS.get(kind)
         if channels is None:
             raise FileError(f"{where} has type '{kind[:40]}', which images cannot have")
-        file, space = self.text(node, "file")
+        file, space = node.text("file")
         if not file:
             return self.input(node, "default")
-        modes = tuple(self.text(node, f"{axis}addressmode")[0] or "periodic" for axis in "uv")
+        modes = tuple(node.text(f"{axis}addressmode")[0] or "periodic" for axis in "uv")
         if bad := [mode for mode in modes if mode not in ADDRESS_MODES]:
             raise FileError(
                 f"{where}: the address mode '{bad[0][:40]}' is unknown; use one of "
@@ -211,7 +190,7 @@ class Evaluation:
             space if kind in ("color3", "color4") else "",
             channels,
             modes,
-            blend=self.text(node, "filtertype")[0] != "closest",
+            blend=node.text("filtertype")[0] != "closest",
             matrix=_affine(self._uv[:PROBES], uv[:PROBES]) if node.tag == "image" else None,
         )
         if use not in self.uses:

@@ -12,7 +12,6 @@ from typing import Any
 
 from urushi.errors import FileError, UrushiWarning
 from urushi.openpbr_surface.materialx.images import Images
-from urushi.openpbr_surface.materialx.nodes import CHANNELS, NODES
 from urushi.openpbr_surface.materialx.shaders import SHADERS
 from urushi.platform import require_extra
 
@@ -28,8 +27,8 @@ LIBRARY = (
     "bxdf/translation/standard_surface_to_usd.mtlx",
 )
 
-#: Nodes that `evaluation` evaluates itself, besides `nodes.NODES`.
-OWN = ("normal", "tangent", "bitangent", "texcoord", "position", "image", "hextiledimage")
+#: Largest number of nodes that are connected in a row.
+MAX_CHAIN = 80
 
 
 def package() -> Any:
@@ -46,69 +45,57 @@ def library() -> Any:
     mx = package()
     whole = mx.createDocument()
     for name in LIBRARY:
-        part = mx.createDocument()
-        mx.readFromXmlFile(part, str(Path(mx.__file__).parent / "libraries" / name))
-        whole.importLibrary(part)
+        mx.readFromXmlFile(whole, str(Path(mx.__file__).parent / "libraries" / name))
     return whole
-
-
-def _of_definition(element: Any, read: Callable[[Any], Any]) -> Any:
-    """What is read from a node or a definition, which must not inherit from itself."""
-    try:
-        return read(element)
-    except LookupError as error:
-        raise FileError(
-            f"the definition of '{element.getName()[:60]}' inherits from itself; remove the cycle"
-        ) from error
-
-
-def _declared_inputs(definition: Any | None) -> dict[str, Any]:
-    """The inputs of a definition by name, with inherited ones; none of None."""
-    given = definition and _of_definition(definition, lambda x: x.getActiveInputs())
-    return {element.getName(): element for element in given or ()}
 
 
 class Node:
     """A node or node graph in its frame."""
 
-    def __init__(self, element: Any, frame: "Frame"):
-        self.element = element  # of the package
-        self.frame = frame
+    def __init__(self, element: Any, frame: "Frame", definition: Any | None = None):
+        """Take a node of the package. definition: None: the one that fits best."""
+        self.element, self.frame = element, frame
         self.tag: str = element.getCategory()
         self.type: str = element.getAttribute("type")
         #: Begins errors about the node.
         self.where = f"{frame.where}: the node '{element.getName()[:60]}' ({self.tag[:40]})"
+        self._given = definition
 
     @cached_property
     def _definition(self) -> Any | None:
-        """The definition that fits best."""
-        return _of_definition(self.element, lambda x: x.getNodeDef("", True))
+        options = () if self.tag == "nodegraph" else ("", True)
+        return self._given or self._read(lambda: self.element.getNodeDef(*options))
 
     @cached_property
     def inputs(self) -> dict[str, Any]:
-        """The inputs of the definition by name; empty if there is none."""
-        return _declared_inputs(self._definition)
+        """The inputs of the definition by name, with inherited ones; empty if there is none."""
+        definition = self._definition
+        given = () if definition is None else self._read(definition.getActiveInputs)
+        return {element.getName(): element for element in given}
 
-    @property
-    def reads_uv(self) -> bool:
-        """Whether the node has texture coordinates by their name."""
-        return self.tag in ("geompropvalue", "UsdPrimvarReader") and self.type == "vector2"
+    def _read(self, read: Callable[[], Any]) -> Any:
+        """What the package reads from a definition, which must not inherit from itself."""
+        try:
+            return read()
+        except LookupError as error:
+            raise FileError(
+                f"{self.where}: its definition inherits from itself; remove the cycle"
+            ) from error
 
     @cached_property
     def inside(self) -> "Frame | None":
-        """The graph that gives the node its value; None if it is elementary or unknown."""
+        """The graph that gives the node its value; None if there is none, or it is a shader."""
         if self.tag == "nodegraph":
-            return Frame(self.element, self.frame.where, self.frame)
+            return Frame(self.element, self.frame.where, self)
         self._warn_of_losses()
-        elementary = self.type in CHANNELS if self.tag in NODES else self.tag in (*OWN, *SHADERS)
-        return None if elementary or self.reads_uv else self.implemented(self._definition)
+        return None if self.tag in SHADERS else self.implementation()
 
-    def implemented(self, definition: Any | None) -> "Frame | None":
-        """The graph of a definition, with this node's inputs; None if there is no graph."""
-        graph = None if definition is None else definition.getImplementation()
+    def implementation(self) -> "Frame | None":
+        """The graph of the definition, if it has one."""
+        graph = None if self._definition is None else self._definition.getImplementation()
         if graph is None or graph.getCategory() != "nodegraph":
             return None
-        return Frame(graph, self.frame.where, self.frame, self, definition)
+        return Frame(graph, self.frame.where, self)
 
     def _warn_of_losses(self) -> None:
         """Warn of what the node asks for and MaterialX leaves out; shaders have their own."""
@@ -132,6 +119,21 @@ class Node:
             return Source(self.inputs[name])
         return found
 
+    def text(self, name: str) -> tuple[str, str]:
+        """An input of type string, or filename with its prefix and tokens, and its colour space.
+
+        Both are "" if there is none.
+        """
+        source = self.source(name)
+        for _ in range(MAX_CHAIN):
+            if source is None:
+                break
+            if source.node is None:
+                return source.element.getResolvedValueString(), source.element.getActiveColorSpace()
+            link = {"constant": "value", "dot": "in"}.get(source.node.tag, "")
+            source = source.node.source(link)
+        return "", ""
+
 
 @dataclass(frozen=True, eq=False)
 class Source:
@@ -151,22 +153,15 @@ class Source:
 class Frame:
     """A node graph that is evaluated for one of its instances, or the document."""
 
-    def __init__(
-        self,
-        scope: Any,
-        where: str,
-        outer: "Frame | None" = None,
-        instance: Node | None = None,
-        definition: Any = None,
-    ):
+    def __init__(self, scope: Any, where: str, instance: Node | None = None):
         """Take a graph, or a document, of the package.
 
-        where: begins errors. outer: where the graph is, or its instance; None: it is the document.
-        instance, definition: the node whose graph it is; None: the graph stands for itself.
+        where: begins errors.
+        instance: the node whose graph it is, or the graph's own node; None: it is the document.
         """
         self.scope, self.where = scope, where
-        self._outer, self._instance, self._definition = outer, instance, definition
-        self._root: Frame = self if outer is None else outer._root
+        self._instance = instance
+        self._root: Frame = self if instance is None else instance.frame._root
         self._nodes: dict[str, Node] = {}
 
     def node(self, name: str) -> Node | None:
@@ -185,7 +180,14 @@ class Frame:
             element.getAttribute(x) for x in ("interfacename", "nodename", "nodegraph", "output")
         )
         if interface:
-            return self._interface(interface, where) or Source(element)
+            if self._instance is not None:
+                return self._instance.source(interface) or Source(element)
+            declared = self.scope.getInput(interface)
+            if declared is None:
+                raise FileError(
+                    f"{where} reads '{interface[:60]}' from a node graph, but is not inside one"
+                )
+            return self.follow(declared, where)
         link, inner = name or graph, self._root
         if link:
             node = self.node(link) or (self._root.node(link) if graph else None)  # as MaterialX
@@ -212,26 +214,6 @@ class Frame:
         declared = None if node is None else node.inputs.get(element.getName())
         is_geometric = declared is not None and declared.getAttribute("defaultgeomprop")
         return declared if is_geometric else element
-
-    def _interface(self, name: str, where: str) -> Source | None:
-        """The source of the value of an interface of this graph."""
-        outer, instance, definition = self._outer, self._instance, self._definition
-        if instance is None:
-            declared = self.scope.getInput(name)
-            if declared is not None:
-                return (outer or self).follow(declared, where)
-            if outer is None:
-                raise FileError(
-                    f"{where} reads '{name[:60]}' from a node graph, but is not inside one"
-                )
-            definition = self.scope.getNodeDef()
-        elif (given := instance.element.getInput(name)) is not None:
-            assert outer is not None
-            source = outer.follow(given, instance.where)
-            if source.is_given:
-                return source
-        default = _declared_inputs(definition).get(name)
-        return None if default is None else Source(default)
 
 
 @dataclass(eq=False)

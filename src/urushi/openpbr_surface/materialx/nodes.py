@@ -1,8 +1,8 @@
 """MaterialX's elementary nodes on NumPy arrays: arithmetic, channels, logic and patterns.
 
 Values are float64 arrays (..., channels); a constant has no leading axis. Formulas are those of the
-MaterialX specification 1.39 and of its standard library. Nodes that are not here are evaluated by
-the library's graphs, if it has one for them.
+MaterialX specification 1.39 and of its standard library. Nodes, or types of them, that are not here
+are evaluated by the library's graphs.
 """
 
 from collections.abc import Callable
@@ -146,6 +146,7 @@ _FUNCTIONS: dict[str, dict[str, Function]] = {
         "normalize": lambda x: x / np.maximum(_length(x), 1e-30),
         "not": lambda x: np.where(x != 0, 0.0, 1.0),
         "dot": lambda x: x,
+        "convert": lambda x: x[..., :1],  # to float
         "rgbtohsv": _rgb_to_hsv,
         "hsvtorgb": _hsv_to_rgb,
     },
@@ -226,18 +227,6 @@ def _extract(node: Any, i: Read) -> np.ndarray:
     return i("in")[..., channel : channel + 1]
 
 
-def _convert(node: Any, i: Read) -> np.ndarray:
-    """Fewer channels are the first; a missing alpha is 1, other missing channels are 0."""
-    source, channels = i("in"), CHANNELS[node.type]
-    have = source.shape[-1]
-    if node.type == "boolean":
-        return np.where(source[..., :1] != 0, 1.0, 0.0)
-    if have == 1 or have >= channels:
-        return source if have == 1 else source[..., :channels]
-    fill = 1.0 if node.type in ("color4", "vector4") and have == 3 else 0.0
-    return _stack([source, *[np.full(1, fill)] * (channels - have)])
-
-
 def _place(node: Any, i: Read) -> np.ndarray:
     """The position (..., 2 or 3) that a noise is evaluated at."""
     return i("texcoord" if node.tag.endswith("2d") else "position")
@@ -263,7 +252,7 @@ def _of_inputs(function: Function, inputs: str) -> Function:
     return lambda node, i: function(*map(i, inputs.split()))
 
 
-#: The elementary nodes by category: functions of a `graph.Node` and of its inputs.
+#: The nodes without a graph by category: functions of a `graph.Node` and of its inputs.
 NODES: dict[str, Callable[[Any, Read], np.ndarray]] = {
     category: _of_inputs(function, inputs)
     for inputs, functions in _FUNCTIONS.items()
@@ -277,5 +266,4 @@ NODES: dict[str, Callable[[Any, Read], np.ndarray]] = {
     "ifgreatereq": _condition(np.greater_equal),
     "ifequal": _condition(np.equal),
     "extract": _extract,
-    "convert": _convert,
 }

@@ -74,9 +74,7 @@ def _channels(noise, p: np.ndarray, channels: int, offset: np.ndarray) -> np.nda
     """Channels of a noise of one or three: the last of two or four is of a shifted position."""
     if channels in (1, 3):
         return noise(p, channels)
-    parts = [noise(p, channels - 1), noise(p + offset[: p.shape[-1]], 1)]
-    parts = [np.broadcast_to(part, (*p.shape[:-1], part.shape[-1])) for part in parts]
-    return np.concatenate(parts, axis=-1)
+    return np.concatenate([noise(p, channels - 1), noise(p + offset[: p.shape[-1]], 1)], axis=-1)
 
 
 def perlin(p: np.ndarray, channels: int) -> np.ndarray:
@@ -92,7 +90,7 @@ def fractal(
     """A sum of octaves of gradient noise, of 1 to 4 channels."""
 
     def octave_sum(position, channels):
-        total, amplitude = np.zeros(1), np.ones(1)
+        total, amplitude = np.zeros((*position.shape[:-1], channels)), np.ones(1)
         for _ in range(octaves):
             total = total + amplitude * _perlin(position, channels)
             amplitude = amplitude * diminish

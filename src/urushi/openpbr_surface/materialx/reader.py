@@ -141,8 +141,8 @@ class Reader:
             given = [e.getName() for e in inputs if frame.follow(e, shader.where).is_given]
             return renamed(" ".join(given))
         definitions = self._graph.root.scope.getMatchingNodeDefs(f"{tag}_to_{TARGET}")
-        inside = shader.implemented(definitions[0]) if definitions else None
-        if inside is not None:
+        inside = definitions and Node(shader.element, frame, definitions[0]).implementation()
+        if inside:
             outputs = {x.getName().removesuffix("_out"): x for x in inside.scope.getOutputs()}
             return {
                 name: partial(_output, inside.follow(output, shader.where))

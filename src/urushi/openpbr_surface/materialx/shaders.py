@@ -46,6 +46,9 @@ class Inputs:
 Formula = Callable[[Inputs], np.ndarray]
 Formulas = Mapping[str, Formula]
 
+#: Formulas for parameters, by shader; a parameter that is missing has OpenPBR's default.
+TRANSLATIONS: dict[str, Formulas] = {}
+
 #: Reflectance at the normal of an index of 3, the largest of OpenPBR's dielectric here.
 MOST_F0 = 0.25
 
@@ -99,7 +102,7 @@ def _under_coat(i: Inputs, color: str, share: np.ndarray | float = 1.0) -> np.nd
     return np.maximum(i(color), 0) ** gamma
 
 
-_STANDARD_SURFACE = renamed(
+TRANSLATIONS["standard_surface"] = renamed(
     "base_weight=base base_diffuse_roughness=diffuse_roughness base_metalness=metalness "
     "specular_ior=specular_IOR transmission_weight=transmission transmission_color "
     "transmission_depth transmission_scatter transmission_scatter_anisotropy "
@@ -161,7 +164,7 @@ def _gltf_deep(i: Inputs) -> bool:
     return _gltf_medium(i) and not _gltf_tinted(i)
 
 
-_GLTF_PBR = renamed(
+TRANSLATIONS["gltf_pbr"] = renamed(
     "base_color base_metalness=metallic specular_ior=ior transmission_weight=transmission "
     "coat_weight=clearcoat "
     "coat_roughness=clearcoat_roughness thin_film_weight=iridescence "
@@ -241,7 +244,7 @@ def _usd_base(i: Inputs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     )
 
 
-_USD_PREVIEW_SURFACE = renamed(
+TRANSLATIONS["UsdPreviewSurface"] = renamed(
     "specular_roughness=roughness coat_weight=clearcoat "
     "coat_roughness=clearcoatRoughness coat_ior=ior emission_color=emissiveColor "
     "geometry_normal=normal"
@@ -269,7 +272,7 @@ def _disney_gloss(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
     return ior_of(f0), mix(1, i("baseColor"), tint)
 
 
-_DISNEY_PRINCIPLED = renamed(
+TRANSLATIONS["disney_principled"] = renamed(
     "base_color=baseColor base_metalness=metallic transmission_weight=specTrans "
     "transmission_color=baseColor subsurface_weight=subsurface subsurface_color=baseColor "
     "coat_weight=clearcoat"
@@ -288,21 +291,10 @@ _DISNEY_PRINCIPLED = renamed(
     "coat_darkening": _zero,
 }
 
-_SURFACE_UNLIT: Formulas = {
+TRANSLATIONS["surface_unlit"] = renamed("emission_luminance=emission emission_color") | {
     "base_weight": _zero,
     "specular_weight": _zero,
-    "emission_luminance": lambda i: i("emission"),
-    "emission_color": lambda i: i("emission_color"),
     "geometry_opacity": lambda i: i("opacity") * (1 - i("transmission")),
-}
-
-#: Formulas for parameters, by shader; a parameter that is missing has OpenPBR's default.
-TRANSLATIONS: dict[str, Formulas] = {
-    "standard_surface": _STANDARD_SURFACE,
-    "gltf_pbr": _GLTF_PBR,
-    "UsdPreviewSurface": _USD_PREVIEW_SURFACE,
-    "disney_principled": _DISNEY_PRINCIPLED,
-    "surface_unlit": _SURFACE_UNLIT,
 }
 
 #: The roughness of transmitted light, of shaders in which it is not that of reflected light.
