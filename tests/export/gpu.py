@@ -77,29 +77,43 @@ def run(language: str, text: str, rows: np.ndarray, texture: np.ndarray | None) 
     last = "" if texture is None else last
     source = text + template.format(prepare=prepare, first=first, last=last)
     if language == "glsl":
-        return _in_opengl(source, rows, texture)
+        outputs = {"f": 3, "pdf": 1, "direction": 3, "density": 1}
+        textures = {} if texture is None else {"texels": texture}
+        layout = "3f 1x4 3f 1x4 3f 1x4", "wi", "wo", "u"
+        return in_opengl(source, rows, layout, outputs, textures)
     if language != "wgsl":
         source = translated(language, source, "compute")
     return _in_webgpu(source, rows, texture)
 
 
-def _in_opengl(source: str, rows: np.ndarray, texture: np.ndarray | None) -> np.ndarray:
+def in_opengl(source: str, rows: np.ndarray, layout: tuple, outputs: dict, textures: dict):
+    """The outputs (N, floats) of a vertex shader at rows of float32 inputs.
+
+    layout: of a row, as moderngl describes it: formats, then names. outputs: sizes by name.
+    textures: by name, as `_gl_texture` takes them.
+    """
     context = gl_context()
-    varyings = ["f", "pdf", "direction", "density"]
     with context:  # WebGPU has contexts of its own
-        program = context.program(vertex_shader="#version 330\n" + source, varyings=varyings)
-        if texture is not None:
-            gl_texture(context, texture).use(0)
+        program = context.program(vertex_shader="#version 330\n" + source, varyings=[*outputs])
+        made = {name: _gl_texture(context, texels) for name, texels in textures.items()}
+        for unit, (name, texture) in enumerate(made.items()):
+            texture.use(unit)
+            program[name] = unit
         inputs = context.buffer(np.ascontiguousarray(rows, np.float32))
-        outputs = context.buffer(reserve=4 * OUTPUTS * len(rows))
-        layout = [(inputs, "3f 1x4 3f 1x4 3f 1x4", "wi", "wo", "u")]
-        context.vertex_array(program, layout).transform(outputs, mode=context.POINTS)
-        return np.frombuffer(outputs.read(), np.float32).reshape(-1, OUTPUTS)
+        results = context.buffer(reserve=4 * sum(outputs.values()) * len(rows))
+        array = context.vertex_array(program, [(inputs, *layout)])
+        array.transform(results, mode=context.POINTS)
+        return np.frombuffer(results.read(), np.float32).reshape(len(rows), -1)
 
 
-def gl_texture(context, texture: np.ndarray):
-    """A 3D texture of half floats."""
-    made = context.texture3d(texture.shape[2::-1], 4, texture.tobytes(), dtype="f2")
+def _gl_texture(context, texels: np.ndarray):
+    """A 3D texture of half floats; of bytes, an array of layers without repetition."""
+    if texels.dtype == np.float16:
+        made = context.texture3d(texels.shape[2::-1], 4, texels.tobytes(), dtype="f2")
+    else:
+        layers, height, width, _ = texels.shape
+        made = context.texture_array((width, height, layers), 4, texels.tobytes())
+        made.repeat_x = made.repeat_y = False
     made.filter = context.LINEAR, context.LINEAR
     return made
 

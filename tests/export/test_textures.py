@@ -38,37 +38,23 @@ void main() {
 @pytest.mark.parametrize("networks_of", ["model", "anisotropic_model"])
 def test_look_up_in_opengl(networks_of, eta, request):
     """At the centre of each texel, f and pdf are those of the texel's code."""
-    context, model = gpu.gl_context(), request.getfixturevalue(networks_of)
+    model = request.getfixturevalue(networks_of)
     packed = texture_of(model, eta)
     text = codes_text("glsl", model, "urushi", texture_files.texels(packed, GRID))
-    codes = packed.codes()
-    wi = np.array([0.6, 0.0, 0.8], np.float32)
-    wo = np.array([-0.5, 0.1, 0.86], np.float32)
+    codes, networks = packed.codes(), model.networks
+    wi, wo = np.float32([0.6, 0.0, 0.8]), np.float32([-0.5, 0.1, 0.86])
     wo /= np.linalg.norm(wo)
-    networks = model.networks
-    with context:
-        source = "#version 330\n" + text + MAIN
-        program = context.program(vertex_shader=source, varyings=["f", "pdf"])
-        table = gpu.gl_texture(context, basis_of(model))
-        table.use(1)
-        program["table"] = 1
-        image = texture_files.texture_image(packed, GRID).texels
-        layers, height, width, _ = image.shape
-        texture = context.texture_array((width, height, layers), 4, image.tobytes())
-        texture.repeat_x = texture.repeat_y = False
-        texture.use(0)
-        y, x = np.divmod(np.arange(width * height), width)
-        uv = np.stack([((x + 0.5) / width - 0.1) / 0.5, (y + 0.5) / height], axis=-1)
-        rows = np.hstack([np.tile(wi, (len(uv), 1)), np.tile(wo, (len(uv), 1)), uv])
-        inputs = context.buffer(rows.astype(np.float32))
-        outputs = context.buffer(reserve=16 * len(rows))
-        layout = [(inputs, "3f 3f 2f", "wi", "wo", "uv")]
-        context.vertex_array(program, layout).transform(outputs, mode=context.POINTS)
-        result = np.frombuffer(outputs.read(), np.float32).reshape(-1, 4)
-        expected = networks.f(codes, wi, wo)
-        np.testing.assert_allclose(result[:, :3], expected, rtol=TABLE_TOLERANCE)
-        pdf = mixtures.pdf(networks.proposal(codes.mean(axis=1), wi[None]), wi[None], wo[None])
-        np.testing.assert_allclose(result[:, 3], pdf, rtol=1e-4)
+    y, x = np.divmod(np.arange(WIDTH * HEIGHT), WIDTH)
+    uv = np.stack([((x + 0.5) / WIDTH - 0.1) / 0.5, (y + 0.5) / HEIGHT], axis=-1)
+    rows = np.hstack([np.tile(wi, (len(uv), 1)), np.tile(wo, (len(uv), 1)), uv])
+    image = texture_files.texture_image(packed, GRID).texels
+    textures = {"texels": image, "table": basis_of(model)}
+    layout = "3f 3f 2f", "wi", "wo", "uv"
+    result = gpu.in_opengl(text + MAIN, rows, layout, {"f": 3, "pdf": 1}, textures)
+    expected = networks.f(codes, wi, wo)
+    np.testing.assert_allclose(result[:, :3], expected, rtol=TABLE_TOLERANCE)
+    pdf = mixtures.pdf(networks.proposal(codes.mean(axis=1), wi[None]), wi[None], wo[None])
+    np.testing.assert_allclose(result[:, 3], pdf, rtol=1e-4)
 
 
 @pytest.mark.parametrize(
