@@ -25,14 +25,14 @@ def ggx_d(m, alpha):
     return dr.select(m.z > 0, d, 0)
 
 
-def smith_g1(w, alpha, xp=DRJIT):
+def smith_g1(w, alpha):
     """Smith masking of direction `w` on either side (Walter et al. 2007, eq. 34).
 
     With two widths, their mean square towards the azimuth of `w` (Heitz 2014, eq. 80).
     """
     cos2 = w.z * w.z
     tan2 = stretched_sine2(w, alpha) / cos2
-    return xp.where(cos2 > 0, 2 / (1 + xp.sqrt(1 + product(alpha) * tan2)), 0)
+    return dr.select(cos2 > 0, 2 / (1 + dr.sqrt(1 + product(alpha) * tan2)), 0)
 
 
 def visible_normal_pdf(w, m, alpha):
