@@ -40,20 +40,6 @@ LIMITED_COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02
 ROUNDS = 4
 
 
-def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
-    """g float32 (N, C) [1/sr] of `nets.transmittance` at the nodes of a coated material.
-
-    Args:
-        bottom: of C channels or one.
-        coat: numbers or arrays (C,), with one width.
-    """
-    below = of_material(bottom)
-    *columns, _ = np.broadcast_arrays(*coat, np.arange(below.channels))
-    parameters = np.stack(columns).astype(np.float64)
-    passed = passed_twice(CoatParameters(*parameters), *node_pairs())
-    return rest_at_nodes(below, parameters[:2], parameters[2:], passed)
-
-
 def rest_at_nodes(
     below: Substrate,
     interfaces: np.ndarray,
@@ -99,7 +85,8 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
     gains energy.
 
     Args:
-        bottom, coat: as of `coated_rest`.
+        bottom: of C channels or one.
+        coat: numbers or arrays (C,), with one width.
         lobe: (C, N) of the interface. No table has it: near the horizon it changes too fast.
     """
     own = lobe.astype(np.float64)
@@ -107,7 +94,11 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
     def top(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return lobes.f(own, wi[:, None].astype(np.float64), wo[:, None].astype(np.float64))
 
-    rest = coated_rest(bottom, coat)
+    below = of_material(bottom)
+    *columns, _ = np.broadcast_arrays(*coat, np.arange(below.channels))
+    parameters = np.stack(columns).astype(np.float64)
+    passed = passed_twice(CoatParameters(*parameters), *node_pairs())
+    rest = rest_at_nodes(below, parameters[:2], parameters[2:], passed)
     of_rest = _albedos_of_values(rest, lobe)
     of_top = adding.albedos(top, LIMITED_COSINES)
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
