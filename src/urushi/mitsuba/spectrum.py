@@ -138,13 +138,6 @@ def points(uv: np.ndarray) -> "mi.SurfaceInteraction3f":
     return si
 
 
-def stacked(channels: Sequence[Sequence], count: int) -> np.ndarray:
-    """Numbers float32 (count, C, K) from K Dr.Jit floats for each channel."""
-    dr.eval(channels)
-    rows = [[np.broadcast_to(value.numpy(), count) for value in channel] for channel in channels]
-    return np.moveaxis(np.array(rows, np.float32), -1, 0)
-
-
 def channels_at(uv: np.ndarray, read: Callable[..., Sequence]) -> np.ndarray:
     """Numbers float32 (C, M) at points uv (M, 2).
 

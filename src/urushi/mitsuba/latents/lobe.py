@@ -13,7 +13,7 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.namespace import DRJIT
-from urushi.nets.lobe import NUMBERS, WIDTH_PLACES, reflectance_of
+from urushi.nets.lobe import WIDTH_PLACES, reflectance_of
 from urushi.nets.transmittance import has_edges, transmittance
 
 
@@ -28,11 +28,6 @@ class LobeKind(NamedTuple):
     same_alpha: bool = False  # whether all channels have the same width
     same_reflectance: bool = False  # whether all channels have the same five other numbers
     widths: int = 1  # 2 if lobes have two widths
-
-    @property
-    def size(self) -> int:
-        """Number of numbers of a lobe."""
-        return len(NUMBERS[self.widths])
 
     @property
     def present(self) -> bool:
@@ -63,7 +58,7 @@ class LobeKind(NamedTuple):
         """The lobes (N) of all channels from the numbers that `numbers` names, None elsewhere."""
         complete: list[list] = []
         for channel, given in enumerate(lobes):
-            whole = [None] * self.size if channel == 0 else list(complete[0])
+            whole = [*complete[0]] if complete else [None] * len(self.needed)
             for place, value in zip(self.numbers(channel), given, strict=True):
                 whole[place] = value
             complete.append(whole)
@@ -72,7 +67,7 @@ class LobeKind(NamedTuple):
     def mean(self, lobes: Sequence[Sequence]) -> list:
         """The mean over channels of lobes (N) of Dr.Jit floats."""
         alphas = WIDTH_PLACES[self.widths]
-        same = [self.same_alpha if i in alphas else self.same_reflectance for i in range(self.size)]
+        same = (self.same_alpha if i in alphas else self.same_reflectance for i in self.needed)
         return [
             values[0] if alike else sum(values) * (1 / len(values))
             for alike, values in zip(same, zip(*lobes, strict=True), strict=True)

@@ -191,7 +191,9 @@ def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
     channels = spectrum.at_bands(si, lambda: known.lobes(si) or ())
     if not channels:
         return None
-    return spectrum.stacked(channels, len(uv))
+    dr.eval(channels)
+    rows = [[np.broadcast_to(x.numpy(), len(uv)) for x in lobe] for lobe in channels]
+    return np.moveaxis(np.array(rows, np.float32), -1, 0)
 
 
 def _vector(w: Any, kind: Any = None) -> Any:
