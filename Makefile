@@ -46,6 +46,7 @@ docs-packages: $(READY)
 
 # The pictures of the cookbook and of the tutorial, by the present weights
 cookbook: $(READY)
+	mkdir -p out/cookbook
 	for scene in docs/cookbook/*.xml; do \
 	    .venv/bin/urushi render $$scene -o out/cookbook/$$(basename $$scene .xml).png || exit; \
 	done

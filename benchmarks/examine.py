@@ -8,6 +8,7 @@ the slices, albedos and spheres it is only made isotropic.
 """
 
 import argparse
+import functools
 from pathlib import Path
 from typing import Any
 
@@ -19,17 +20,15 @@ from benchmarks.showing import percent, table
 from matplotlib.figure import Figure
 
 import urushi
-from urushi.app.encode import Encode
+from urushi.app.encode import Encode, opened, scene_bsdfs
 from urushi.core import error_metrics as metrics
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.core.quadrature import directional_albedos
-from urushi.errors import UrushiError
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
 from urushi.material.source import Source, as_source
 from urushi.material.symmetry import AZIMUTHS, RELATIVE_TOLERANCE, rotated_pairs
 from urushi.material.values import evaluate_source
-from urushi.measured import load_measured
 from urushi.walk import Stack
 from urushi.walk.simulate import simulate
 
@@ -149,14 +148,13 @@ def main() -> None:
     parser.add_argument("sources", nargs="+")
     parser.add_argument("-o", "--output", type=Path, required=True)
     options = parser.parse_args()
-    encode, folder, rows = Encode(tuple(options.sources), options.output), None, []
-    for target, source in zip(encode.targets(), encode.opened(), strict=True):
-        if isinstance(source, UrushiError):
-            raise source
-        opened = load_measured(source) if isinstance(source, Path) else source
+    bsdfs = functools.cache(functools.partial(scene_bsdfs, mode="llvm_ad_rgb"))
+    targets, folder, rows = Encode(tuple(options.sources), options.output).targets(), None, []
+    for target, text in zip(targets, options.sources, strict=True):
+        source = opened(text, bsdfs)
         folder = folder or new_folder(options.output)
         path = folder / f"{target.stem}.png"
-        figures = examine(path, target.stem, opened, urushi.encode(opened))
+        figures = examine(path, target.stem, source, urushi.encode(source))
         shares = [percent(figures[k]) for k in ("E", "P", "anisotropy", "reciprocity")]
         rows.append([target.stem, *shares, f"{figures['PSNR']:.1f} dB"])
     head = ["source", "E", "P, median", "anisotropy", "reciprocity error", "PSNR of a sphere"]

@@ -24,7 +24,7 @@ from urushi.textures.store import TexelGrid
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes a
 #: hundred times as long.
-POINTS = {1: (24, 64, 128, 192, 320, 448), 2: (6, 12, 20, 32, 40, 48)}
+POINTS = {1: (24, 64, 128, 192, 320, 448), 2: (8, 24, 48, 80, 112, 144)}
 
 #: Most axes.
 AXES = len(POINTS[1])
