@@ -11,6 +11,7 @@ split at the discontinuity, and only the field inside is interpolated (product i
 """
 
 import numpy as np
+from scipy.special import assoc_legendre_p_all
 from tests.oracles.adding_doubling import surfaces
 from tests.oracles.adding_doubling.quadrature import (
     CosineGrid,
@@ -102,31 +103,18 @@ def _phase_modes(grid: CosineGrid, g: float) -> tuple[np.ndarray, np.ndarray]:
     From Legendre's addition theorem, with degrees up to 2 N - 1, for which Gauss's quadrature of
     each hemisphere is exact: the phase function is then normalised to rounding, for any g.
     """
-    degrees = 2 * len(grid.mu)
+    degree = np.arange(2 * len(grid.mu))
     kept = 1 if g == 0 else 1 + int(np.log(_NEGLIGIBLE) / np.log(abs(g)))
-    forward, backward = [], []
-    for m in range(min(grid.modes, kept, degrees)):
-        legendre = _associated_legendre(m, degrees, grid.mu)
-        degree = np.arange(m, degrees)
-        moment = (2 * degree + 1) / (4 * np.pi) * float(g) ** degree
-        mirrored = moment * (-1.0) ** (degree + m)
-        forward.append((legendre.T * moment) @ legendre)
-        backward.append((legendre.T * mirrored) @ legendre)
-    return np.stack(forward), np.stack(backward)
-
-
-def _associated_legendre(m: int, degrees: int, mu: np.ndarray) -> np.ndarray:
-    """sqrt((l - m)! / (l + m)!) P_l^m(mu) for l = m to degrees - 1, by recurrence."""
-    rows = np.zeros((degrees - m, len(mu)))
-    order = np.arange(1, m + 1)
-    rows[0] = np.prod(np.sqrt((2 * order - 1) / (2 * order))) * (1 - mu**2) ** (m / 2)
-    if degrees - m > 1:
-        rows[1] = np.sqrt(2 * m + 1) * mu * rows[0]
-    for n in range(2, degrees - m):
-        deg = m + n
-        rows[n] = (2 * deg - 1) * mu * rows[n - 1] - np.sqrt((deg - 1) ** 2 - m**2) * rows[n - 2]
-        rows[n] /= np.sqrt(deg**2 - m**2)
-    return rows
+    order = np.arange(min(grid.modes, kept, len(degree)))
+    # Normalised by sqrt((2 l + 1) / 2 (l - m)! / (l + m)!): (L, M, N).
+    legendre = assoc_legendre_p_all(degree[-1], order[-1], grid.mu, norm=True)[0, :, : len(order)]
+    moment = float(g) ** degree[:, None] / (2 * np.pi)
+    signs = 1, (-1.0) ** (degree[:, None] + order)  # to the other hemisphere
+    forward, backward = (
+        np.einsum("lm,lmi,lmj->mij", moment * sign, legendre, legendre, optimize=True)
+        for sign in signs
+    )
+    return forward, backward
 
 
 def transmission(grid: CosineGrid, mu_out: np.ndarray, alpha: float, eta: float) -> np.ndarray:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import BarycentricInterpolator
 
 #: A kernel (mu_out, mu_in, cos(phi)) -> [1/sr], broadcasting its three arguments.
 Kernel = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
@@ -111,17 +112,8 @@ def graded(
 
 
 def interpolation(grid: CosineGrid, mu: np.ndarray) -> np.ndarray:
-    """Lagrange polynomials of the nodes at `mu`, any shape: (..., N); barycentric formula.
-
-    Berrut and Trefethen 2004, eq. 4.2, with the weights of Gauss nodes of Wang and Xiang 2012.
-    """
-    nodes = grid.mu
-    sign = (-1.0) ** np.arange(len(nodes))
-    gauss_weight = grid.root**2 / nodes
-    barycentric = sign * np.sqrt(nodes * (1 - nodes) * gauss_weight)
-    gap = mu[..., None] - nodes
-    terms = barycentric / np.where(gap == 0, 1e-300, gap)
-    return terms / terms.sum(-1, keepdims=True)
+    """Lagrange polynomials of the nodes at `mu`, any shape: (..., N)."""
+    return BarycentricInterpolator(grid.mu, np.eye(len(grid.mu)), rng=0)(mu)
 
 
 def project(
