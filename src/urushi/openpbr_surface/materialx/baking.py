@@ -62,7 +62,17 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> Texture:
     first = _finite(value(few), where)
     if first.ndim == 1:
         return Texture(first[None, None], np.eye(3))
-    most = max(64, MEMORY // (32 * max(few.size, 1)))
+
+    def computed(shape: tuple[int, ...], at: Callable[[np.ndarray], Evaluation]) -> np.ndarray:
+        """Values (height, width, channels), float32; at: the evaluation at some indices."""
+        most = max(64, MEMORY // (32 * max(few.size, 1)))  # points at once
+        count, parts = shape[0] * shape[1], []
+        for begin in range(0, count, most):
+            index = np.arange(begin, min(begin + most, count))
+            part = _finite(value(at(index)), where)
+            parts.append(np.broadcast_to(part, (len(index), part.shape[-1])).astype(np.float32))
+        return np.concatenate(parts).reshape(*shape, -1)
+
     # One texture with an affine map can replace one image.
     use = few.uses[0] if len(few.uses) == 1 else None
     if use and use.matrix and use.modes[0] == use.modes[1] and use.modes[0] in _WRAPS:
@@ -73,12 +83,10 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> Texture:
             return Evaluation(graph, None, flat[k].astype(np.float64))
 
         try:
-            found = _computed(value, len(flat), most, where, of_texels)
+            pixels = computed(texels.shape[:2], of_texels)
+            return Texture(pixels, _from_above(use.matrix), _WRAPS[use.modes[0]], use.blend)
         except NeedsPosition:
             pass
-        else:
-            pixels = found.reshape(*texels.shape[:2], -1)
-            return Texture(pixels, _from_above(use.matrix), _WRAPS[use.modes[0]], use.blend)
     images = [graph.images.read(use.file, where) for use in few.uses]
     tiled = [x for x in images if x.tiles != (1, 1)]
     corner = np.min([x.corner for x in tiled] or [(0, 0)], axis=0)  # the lower left one
@@ -90,9 +98,8 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> Texture:
         u, v = (k % side + 0.5) / side, 1 - (k // side + 0.5) / side
         return Evaluation(graph, corner + tiles * np.stack([u, v], -1))
 
-    found = _computed(value, side * side, most, where, on_grid)
     matrix = np.c_[np.diag(1 / tiles), -corner / tiles]
-    return Texture(found.reshape(side, side, -1), _from_above(matrix))
+    return Texture(computed((side, side), on_grid), _from_above(matrix))
 
 
 def _few(graph: Graph) -> Evaluation:
@@ -114,21 +121,6 @@ def _from_above(matrix: Any) -> np.ndarray:
     """The map (3, 3) of Mitsuba's uv for the rows (2, 3) of MaterialX's, whose v runs upwards."""
     flip = np.array([[1, 0, 0], [0, -1, 1], [0, 0, 1.0]])
     return flip @ np.array([*matrix, (0, 0, 1)]) @ flip
-
-
-def _computed(
-    value: Value, count: int, most: int, where: str, at: Callable[[np.ndarray], Evaluation]
-) -> np.ndarray:
-    """Values (count, channels), float32, of at most `most` points at once.
-
-    at: the evaluation at points of some indices.
-    """
-    parts = []
-    for begin in range(0, count, most):
-        index = np.arange(begin, min(begin + most, count))
-        part = _finite(value(at(index)), where)
-        parts.append(np.broadcast_to(part, (len(index), part.shape[-1])).astype(np.float32))
-    return np.concatenate(parts)
 
 
 def _finite(value: np.ndarray, where: str) -> np.ndarray:
