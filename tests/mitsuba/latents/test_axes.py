@@ -63,6 +63,12 @@ def noise(mi, channels: int, seed: int = 0):
     return mi.load_dict(bitmap(data))
 
 
+def eight_bits(mi, raw: bool) -> dict:
+    """A bitmap as of a file: whole numbers, which Mitsuba keeps; of colours unless they are raw."""
+    texels = np.random.default_rng(0).integers(40, 160, (8, 8, 1 if raw else 3)).astype(np.uint8)
+    return {"type": "bitmap", "bitmap": mi.Bitmap(texels), "raw": raw}
+
+
 def varnishes(mi) -> dict[str, tuple[dict, set[str]]]:
     """Coats with textures that texels of one grid represent badly, and the names of their axes."""
     turned = mi.ScalarTransform3f().rotate(30).scale([3, 2])
@@ -88,6 +94,13 @@ def varnishes(mi) -> dict[str, tuple[dict, set[str]]]:
                 "base": {"type": "diffuse", "reflectance": 0.8},
             },
             {"eta"},
+        ),
+        "texels of eight bits": (
+            {
+                "alpha": eight_bits(mi, raw=True),
+                "base": {"type": "diffuse", "reflectance": eight_bits(mi, raw=False)},
+            },
+            {"alpha", "bottom.reflectance"},
         ),
         "vertex colours": (
             {
@@ -135,6 +148,7 @@ def varnishes(mi) -> dict[str, tuple[dict, set[str]]]:
             "two transforms",
             "indices near one",
             "vertex colours",
+            "texels of eight bits",
             "a brushed metal",
         ),
         *("a pigment's colour", "two roughnesses", "two textures"),
