@@ -7,6 +7,7 @@ to that of the outside is above or below one; below one, grazing light is totall
 
 import numpy as np
 import numpy.typing as npt
+from scipy import integrate
 
 
 def interface_reflectance(cos: npt.ArrayLike, eta: float) -> np.ndarray:
@@ -70,20 +71,12 @@ def internal_return(eta: float, sigma_t: float = 0.0) -> float:
     the medium, is reflected by the surface and descends again. Without absorption this is the
     diffuse internal reflectance (Walsh 1926).
     """
-    x, w = np.polynomial.legendre.leggauss(96)
-    x, w = (x + 1) / 2, w / 2
-    if eta < 1:  # no total reflection inside
-        return float(
-            (w * 2 * x * interface_reflectance(x, 1 / eta) * np.exp(-2 * sigma_t / x)).sum()
-        )
-    critical = np.sqrt(1 - 1 / eta**2)
-    total = critical * x  # beyond the critical angle
-    trapped = critical * (w * 2 * total * np.exp(-2 * sigma_t / total)).sum()
-    # Below the critical angle, the cosine in air as variable removes the square root of F there:
-    # mu dmu = cos dcos / eta^2.
-    mu = refracted(x, eta)
-    weak = (w * 2 * x * interface_reflectance(x, eta) * np.exp(-2 * sigma_t / mu)).sum() / eta**2
-    return float(trapped + weak)
+
+    def returned(cos: float) -> float:
+        return 2 * cos * interface_reflectance(cos, 1 / eta) * np.exp(-2 * sigma_t / cos)
+
+    critical = np.sqrt(max(1 - 1 / eta**2, 0))  # the root of F beside it needs small intervals
+    return integrate.quad(returned, 0, 1, points=[critical])[0]
 
 
 def lambertian_f(
