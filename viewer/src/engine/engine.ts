@@ -44,10 +44,8 @@ export interface Surroundings {
   changed: () => void;
   /** Called with what another try does. */
   failed: (error: unknown, retry?: () => void) => void;
-  /** The plots' angle of incidence [degrees]. */
-  incidence: () => number;
-  /** Whether the plots show this slot. */
-  plotted: () => boolean;
+  /** The angle of incidence [degrees] of the plots; null: they do not show this slot. */
+  incidence: () => number | null;
 }
 
 /** What is known of one material. */
@@ -89,12 +87,13 @@ export class Slot {
     void this.work();
   }
 
-  /** Plot this slot, for the present angle of incidence. */
+  /** Plot this slot, for the present angle of incidence, if the plots show it. */
   async drawPlane(): Promise<void> {
     const { material } = this;
-    if (material === null) return;
+    const incidence = this.page.incidence();
+    if (material === null || incidence === null) return;
     this.later();
-    const pairs = planePairs(PLANE_ANGLES, this.page.incidence(), this.rotation);
+    const pairs = planePairs(incidence, this.rotation);
     const f = await this.core.f(material, ...pairs);
     if (material === this.material) this.plane.value = f;
   }
@@ -133,7 +132,7 @@ export class Slot {
         this.tables = [first];
         this.page.changed();
         this.albedoIsOld = true;
-        if (this.page.plotted()) await this.drawPlane();
+        await this.drawPlane();
       }
     } catch (error) {
       this.key = "";
@@ -165,17 +164,13 @@ export class Slot {
 }
 
 /** Pairs in the plane of the shape's tangent, in the frame of a tangent turned by an angle. */
-function planePairs(
-  angles: Float32Array,
-  incidence: number,
-  rotation: number,
-): [Float32Array, Float32Array] {
+function planePairs(incidence: number, rotation: number): [Float32Array, Float32Array] {
   const angle = (incidence * Math.PI) / 180;
   const turn = (rotation * Math.PI) / 180;
   const [x, y] = [Math.cos(turn), -Math.sin(turn)];
-  const wi = new Float32Array(3 * angles.length);
-  const wo = new Float32Array(3 * angles.length);
-  angles.forEach((degrees, at) => {
+  const wi = new Float32Array(3 * PLANE_ANGLES.length);
+  const wo = new Float32Array(3 * PLANE_ANGLES.length);
+  PLANE_ANGLES.forEach((degrees, at) => {
     const out = (degrees * Math.PI) / 180;
     wi.set([-Math.sin(angle) * x, -Math.sin(angle) * y, Math.cos(angle)], 3 * at);
     wo.set([Math.sin(out) * x, Math.sin(out) * y, Math.cos(out)], 3 * at);

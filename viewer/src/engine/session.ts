@@ -62,8 +62,10 @@ export class Session {
       new Slot(cores, {
         changed: () => this.painter.refresh(),
         failed: complain,
-        incidence: () => state.peek().incidence,
-        plotted: () => state.peek().plots && state.peek().active === place,
+        incidence: () => {
+          const { plots, active, incidence } = state.peek();
+          return plots && active === place ? incidence : null;
+        },
       });
     this.slots = [slot(0), slot(1)];
     this.painter = new Painter(this.slots, complain);
@@ -226,8 +228,8 @@ export class Session {
     const incidence = computed(() => state.value.incidence);
     const plots = computed(() => state.value.plots);
     effect(() => {
-      incidence.value;
-      if (plots.value) slots[active.value].drawPlane().catch(complain);
+      [incidence.value, plots.value]; // followed
+      slots[active.value].drawPlane().catch(complain);
     });
     effect(() => {
       if (painter.converged.value) announce("The picture has converged.");

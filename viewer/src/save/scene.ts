@@ -35,7 +35,7 @@ export function sceneFile(scene: Scene): Uint8Array<ArrayBuffer> {
 }
 
 /** The scene's text. */
-export function sceneXml(scene: Omit<Scene, "material">): string {
+function sceneXml(scene: Scene): string {
   const { mesh, view, rotation, width, height, environment } = scene;
   const { eye, up, forward } = cameraOf(mesh, view, width / height);
   const target = eye.map((x, k) => x + forward[k]);

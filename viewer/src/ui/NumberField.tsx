@@ -1,7 +1,5 @@
 /** A number that is typed. A value outside its range becomes the nearest one inside. */
 
-import { useSignal } from "@preact/signals";
-
 interface NumberFieldProps {
   name: string;
   value: number;
@@ -11,18 +9,15 @@ interface NumberFieldProps {
 }
 
 export function NumberField({ name, value, low, high, onChange }: NumberFieldProps) {
-  const typed = useSignal<string | null>(null);
-  const commit = () => {
-    const text = typed.value;
-    typed.value = null;
-    if (text === null || text.trim() === "") return;
-    const next = Number(text.replace(",", "."));
-    if (Number.isFinite(next) && next !== value) onChange(Math.min(Math.max(next, low), high));
+  /** Take over a number; what is none leaves the value. */
+  const set = (field: HTMLInputElement, typed: number) => {
+    const next = Number.isFinite(typed) ? Math.min(Math.max(typed, low), high) : value;
+    field.value = shown(next);
+    if (next !== value) onChange(next);
   };
-  const step = (direction: number, large: boolean) => {
-    const size = (value >= 1 ? 0.1 : value >= 0.1 ? 0.01 : 0.001) * (large ? 10 : 1);
-    const next = Number((value + direction * size).toFixed(4));
-    onChange(Math.min(Math.max(next, low), high));
+  const commit = (field: HTMLInputElement) => {
+    const text = field.value.trim().replace(",", ".");
+    if (text !== shown(value)) set(field, text === "" ? Number.NaN : Number(text));
   };
   return (
     <input
@@ -32,22 +27,22 @@ export function NumberField({ name, value, low, high, onChange }: NumberFieldPro
       autocomplete="off"
       spellcheck={false}
       aria-label={name}
-      value={typed.value ?? shown(value)}
-      onInput={(event) => {
-        const isTyped = typed.value !== null;
-        typed.value = event.currentTarget.value;
-        // An undo that goes back beyond what is being typed changes the number.
-        if (!isTyped && event.inputType.startsWith("history")) commit();
+      value={shown(value)}
+      onInput={({ currentTarget, inputType }) => {
+        // An undo goes back beyond what is being typed.
+        if (inputType.startsWith("history")) commit(currentTarget);
       }}
-      onFocus={(event) => event.currentTarget.select()}
-      onBlur={commit}
+      onFocus={({ currentTarget }) => currentTarget.select()}
+      onBlur={({ currentTarget }) => commit(currentTarget)}
       onKeyDown={(event) => {
-        if (event.key === "Enter") commit();
-        else if (event.key === "Escape") typed.value = null;
-        else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
-          event.preventDefault();
-          step(event.key === "ArrowUp" ? 1 : -1, event.shiftKey);
-        }
+        const { currentTarget: field, key } = event;
+        if (key === "Enter") commit(field);
+        if (key === "Escape") field.value = shown(value);
+        const way = { ArrowUp: 1, ArrowDown: -1 }[key];
+        if (way === undefined) return;
+        event.preventDefault();
+        const size = (value >= 1 ? 0.1 : value >= 0.1 ? 0.01 : 0.001) * (event.shiftKey ? 10 : 1);
+        set(field, Number((value + way * size).toFixed(4)));
       }}
     />
   );

@@ -45,7 +45,6 @@ function slotOf(core: PageCore): Slot {
       throw error;
     },
     incidence: () => 45,
-    plotted: () => true,
   });
 }
 
