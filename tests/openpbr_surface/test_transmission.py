@@ -234,8 +234,8 @@ def test_a_bsdf_alone_has_no_medium(material, surface):
 
 
 def test_clear_bodies_and_thin_walls_need_no_medium():
-    deep = urushi.openpbr(**GLASS, transmission_depth=1.0)
-    thin = urushi.openpbr(**PANE, transmission_color=(0.5, 0.6, 0.7), transmission_depth=1.0)
+    pane = PANE | WALKS | {"transmission_color": (0.5, 0.6, 0.7)}
+    deep, thin = (urushi.openpbr(**x, transmission_depth=1.0) for x in (GLASS, pane))
     for material in (deep, thin, urushi.openpbr(**LEAF)):
         assert material.interior() is None
         mi.load_dict(material.description())
