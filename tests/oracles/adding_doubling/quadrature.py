@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import dct
 from scipy.interpolate import BarycentricInterpolator
 
 #: A kernel (mu_out, mu_in, cos(phi)) -> [1/sr], broadcasting its three arguments.
@@ -69,18 +70,14 @@ def fourier(
         intervals: least number of intervals.
     """
     intervals = max(4 * modes, intervals)
-    phi = np.pi * np.arange(intervals + 1) / intervals
-    weight = np.full(intervals + 1, 1 / intervals)
-    weight[[0, -1]] *= 0.5
-    cosines = weight[:, None] * np.cos(phi[:, None] * np.arange(modes))
+    cosines = np.cos(np.linspace(0, np.pi, intervals + 1))
     mu_in = np.broadcast_to(mu_in, (len(mu_out), mu_in.shape[-1]))
-    rows = max(1, _CHUNK // (mu_in.shape[-1] * len(phi)))
-    parts = [
-        kernel(mu_out[r : r + rows, None, None], mu_in[r : r + rows, :, None], np.cos(phi))
-        @ cosines
-        for r in range(0, len(mu_out), rows)
-    ]
-    return np.moveaxis(np.concatenate(parts), -1, 0)
+    rows = max(1, _CHUNK // (mu_in.shape[-1] * len(cosines)))
+    parts = []
+    for r in range(0, len(mu_out), rows):
+        values = kernel(mu_out[r : r + rows, None, None], mu_in[r : r + rows, :, None], cosines)
+        parts.append(dct(values, type=1)[..., :modes].copy())
+    return np.moveaxis(np.concatenate(parts), -1, 0) / (2 * intervals)
 
 
 def azimuths(width: float) -> int:
