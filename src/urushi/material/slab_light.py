@@ -11,7 +11,7 @@ doubling (`urushi.material.adding`).
 """
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -44,21 +44,25 @@ def transmitted(
         layers: the slab.
         insides: what lies below each of its media.
     """
-    scattered, attenuations = _scattered(layers, insides, channels)
+    values, outside, attenuations = _scattered(layers, insides, channels)
     straight = _straight(layers, attenuations, above, below, channels)
-    return straight + np.maximum(scattered(above, below), 0)
+    return straight + np.maximum(outside.interpolated(values, above, below), 0)
 
 
 def _scattered(
     layers: Layers, insides: list[OnGrid], channels: int
-) -> tuple[Callable[[np.ndarray, np.ndarray], np.ndarray], list[np.ndarray]]:
-    """f / index^2 [1/sr] of all but straight light, a function of directions above and below; and
-    the shares (M, C) of straight light at `adding.MIRROR_COSINES` that cross the media."""
-    if not insides:
-        return lambda wi, wo: np.zeros((len(wi), channels), np.float32), []
+) -> tuple[np.ndarray, adding.Grid, list[np.ndarray]]:
+    """All but straight light.
+
+    Returns:
+        f / index^2 [1/sr], values (N, N, H, C) on a grid, and the grid; and the shares (M, C) of
+        straight light at `adding.MIRROR_COSINES` that cross the media.
+    """
     indices, interfaces = layers.indices(), layers.interfaces
-    grids = [adding.grid(below.edges) for below in insides]
     outside = adding.Grid(ELEVATIONS, edges=layers.edges(-1 if indices[-1] > 1 else 0))
+    if not insides:
+        return np.zeros((*outside.dots().shape, channels)), outside, []
+    grids = [adding.grid(below.edges) for below in insides]
     alpha, eta = interfaces[-1]
     # Light from below that arrives above the interfaces that have been passed, all and straight
     every = [_crossing_modes(outside, grids[-1], alpha, 1 / eta)] * channels
@@ -89,7 +93,7 @@ def _scattered(
     ]
     values = np.stack([outside.values_of_modes(modes) for modes in scattered], axis=-1)
     values /= indices[1] ** 2
-    return functools.partial(outside.interpolated, values), attenuations
+    return values, outside, attenuations
 
 
 def _crossing_modes(outside: adding.Grid, own: adding.Grid, alpha: float, eta: float) -> np.ndarray:
