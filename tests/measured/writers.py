@@ -56,6 +56,16 @@ def tensor_file(fields, *, forge=None):
     return header + data
 
 
+def rgl_tensors(phi_i, theta_i, ndf, sigma, vndf, colour, wavelengths):
+    """The tensors of a material; colour is RGB without wavelengths."""
+    floats = {"phi_i": phi_i, "theta_i": theta_i, "ndf": ndf, "sigma": sigma, "vndf": vndf}
+    floats |= {"luminance": np.ones_like(vndf), "rgb": colour}
+    if wavelengths is not None:
+        floats |= {"wavelengths": wavelengths, "spectra": floats.pop("rgb")}
+    numbers = {"description": np.frombuffer(b"made up", np.uint8), "jacobian": np.ones(1, np.uint8)}
+    return {name: np.asarray(array, np.float32) for name, array in floats.items()} | numbers
+
+
 def rgl_fields(rng, *, wavelengths=None, size=8, elevations=4, azimuths=None):
     """The tensors of a small, smooth, made-up material; isotropic, or measured at azimuths (P,)."""
     smooth = np.linspace(0.5, 1.5, size, dtype=np.float32)
@@ -65,20 +75,10 @@ def rgl_fields(rng, *, wavelengths=None, size=8, elevations=4, azimuths=None):
     colour = rng.uniform(0.1, 1, (count, elevations, channels, size, size))
     # Rows are azimuths: those of one azimuth do not differ.
     turn = np.ones((2, 1)) if count == 1 else rng.uniform(0.5, 1.5, (size, 1))
-    fields = {
-        "description": np.frombuffer(b"made up", np.uint8),
-        "phi_i": phi_i.astype(np.float32),
-        "theta_i": np.linspace(0, np.pi / 2, elevations, dtype=np.float32),
-        "ndf": (turn * smooth[::-1]).astype(np.float32),
-        "sigma": (turn[::-1] * smooth).astype(np.float32),
-        "vndf": rng.uniform(0.1, 1, (count, elevations, size, size)).astype(np.float32),
-        "luminance": np.ones((count, elevations, size, size), np.float32),
-        "jacobian": np.ones(1, np.uint8),
-    }
-    if wavelengths is None:
-        return fields | {"rgb": colour.astype(np.float32)}
-    spectral = {"wavelengths": np.asarray(wavelengths, np.float32)}
-    return fields | spectral | {"spectra": colour.astype(np.float32)}
+    theta_i = np.linspace(0, np.pi / 2, elevations, dtype=np.float32)
+    vndf = rng.uniform(0.1, 1, (count, elevations, size, size))
+    areas = turn * smooth[::-1], turn[::-1] * smooth
+    return rgl_tensors(phi_i, theta_i, *areas, vndf, colour, wavelengths)
 
 
 def rgl_ggx_fields(alpha, r0, *, wavelengths=None, azimuths=None, elevations=48, size=97):
@@ -109,24 +109,12 @@ def rgl_ggx_fields(alpha, r0, *, wavelengths=None, azimuths=None, elevations=48,
     wo = 2 * cos_d[..., None] * m - wi
     fresnel = np.multiply.outer(1 - np.asarray(r0), (1 - np.maximum(cos_d, 0)) ** 5)
     fresnel += np.reshape(r0, (-1, 1, 1, 1, 1))
-    colour = np.moveaxis(fresnel * g1(wo), 0, 2).astype(np.float32)
+    colour = np.moveaxis(fresnel * g1(wo), 0, 2)
     squared = (m[..., 0] / alpha_u) ** 2 + (m[..., 1] / alpha_v) ** 2 + m[..., 2] ** 2
     ndf = 1 / (np.pi * alpha_u * alpha_v * squared**2)
     above = vector(np.minimum(theta_m, 1.5707)[None, :], phi_m[:, None])
     sigma = above[..., 2] / g1(above)
     if azimuths is None:  # rows are azimuths: those of one do not differ
         ndf, sigma = (np.tile(x[:1], (2, 1)) for x in (ndf, sigma))
-    flat = np.ones((len(phi_i), elevations, 2, 2), np.float32)
-    fields = {
-        "description": np.frombuffer(b"GGX", np.uint8),
-        "phi_i": phi_i.astype(np.float32),
-        "theta_i": theta_i.astype(np.float32),
-        "ndf": ndf.astype(np.float32),
-        "sigma": sigma.astype(np.float32),
-        "vndf": flat,
-        "luminance": flat,
-        "jacobian": np.ones(1, np.uint8),
-    }
-    if wavelengths is None:
-        return fields | {"rgb": colour}
-    return fields | {"wavelengths": np.asarray(wavelengths, np.float32), "spectra": colour}
+    flat = np.ones((len(phi_i), elevations, 2, 2))
+    return rgl_tensors(phi_i, theta_i, ndf, sigma, flat, colour, wavelengths)

@@ -18,7 +18,7 @@ from urushi.train.distribution import draw_coats_of_two
 
 @pytest.fixture(scope="module")
 def model(tiny, store) -> Model:
-    return training.untrained(tiny.arch, training.fitted_basis(tiny, store)[0])
+    return training.fitted_basis(tiny, store)[0]
 
 
 @pytest.fixture(scope="module")

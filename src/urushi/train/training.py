@@ -14,14 +14,11 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from urushi.core.probe_pairs import pair_measure, probe_pairs
+from urushi.core.probe_pairs import pair_measure
 from urushi.errors import FileError
 from urushi.files import check_name, new_folder
 from urushi.nets import weights
-from urushi.nets.code_fit import solve_codes
-from urushi.nets.mlp import Params
-from urushi.nets.networks import Architecture
-from urushi.nets.transmittance import both_ways, has_edges
+from urushi.nets.transmittance import has_edges
 from urushi.platform import available_cores
 from urushi.train import basis_fit, layering, presets, tables
 from urushi.train.checkpoint import Checkpoint, Journal
@@ -71,8 +68,7 @@ def train(
     generate = functools.partial(tables.generate, cluster=cluster)
     store, journal, out = prepare(preset, data, out, run, resume, generate)
     began = time.monotonic()
-    params, codes, metrics = fitted_basis(preset, store)
-    model = untrained(preset.arch, params)
+    model, codes, metrics = fitted_basis(preset, store)
     found, stacks = layerings(model, store, cluster)
     hidden = stacks % HELD_OUT == 0
     known, others = found.taken(~hidden), found.taken(hidden)
@@ -90,7 +86,7 @@ def train(
     else:
         began = time.monotonic() - point.seconds  # as if earlier runs had been a part of this one
     average = learn(point, preset, known, others, journal, began)
-    params |= average | fit_proposal(model.networks, codes)
+    params = dict(model.params) | average | fit_proposal(model.networks, codes)
     metrics |= measure(average, preset, others)
     seconds = time.monotonic() - began
     return weights.save(out, preset.arch, params, header(journal, metrics, seconds))
@@ -98,46 +94,37 @@ def train(
 
 def fitted_basis(
     preset: Preset, store: TableStore
-) -> tuple[dict[str, np.ndarray], np.ndarray, dict[str, float]]:
-    """The parameters "basis.*", codes (N, L) of the fitted materials, and the errors E of others.
+) -> tuple[weights.Model, np.ndarray, dict[str, float]]:
+    """A model with the basis alone, codes (N, L) of fitted materials, and the errors E of others.
 
     E is that of codes from the probe pairs, over all nodes, for coated materials that are held out.
     """
     arch, names = preset.arch, ["table", "lobe", "level", "stack"]
     held = store.read(names + ["probes", "stretch"] * (arch.widths == 2))
     every, rows = basis_fit.prepared(basis_fit.materials(held))
-    rest = basis_fit.probed(held, arch.probes)[rows]
-    level, stack, lobe = (held[name][rows] for name in ("level", "stack", "lobe"))
-    passed = both_ways(lobe[:, None], *probe_pairs(arch.probes, arch.widths))
-    hidden = stack % HELD_OUT == 0
+    held = {name: array[rows] for name, array in held.items()}
+    hidden, coated = held["stack"] % HELD_OUT == 0, held["level"] > 0
     # Few have edges, and cost the others more than they gain.
-    learnt, factors = ~hidden & ~has_edges(lobe), arch.factors[1:]
+    learnt, factors = ~hidden & ~has_edges(held["lobe"]), arch.factors[1:]
     if arch.widths == 2:  # functions for bare mixtures, which are few, would cost coats more
-        learnt &= level > 0
+        learnt &= coated
     known = every.taken(np.flatnonzero(learnt))
     if arch.widths == 1:
         given = np.tile(np.array([0, 1], np.float32), (every.logs.shape[2], 1))  # the constant
-        measure = basis_fit.probe_measure(rest[learnt], known.rest().ravel())
+        rest = basis_fit.probed(held, arch.probes)[learnt]
+        measure = basis_fit.probe_measure(rest, known.rest().ravel())
     else:
         given = weights.shipped(preset.beginning).params["basis.rows"]
         measure = pair_measure(arch.probes)
     functions, prior = basis_fit.fit_basis(known, given, factors)
-    params = {"basis.rows": functions, "basis.measure": measure, "basis.prior": prior}
-    basis = untrained(arch, params).networks.basis
-    codes = solve_codes(basis, rest, passed)
-    others = hidden & (level > 0)
-    unseen = every.taken(np.flatnonzero(others))
-    errors = unseen.errors(
-        unseen.at_nodes(functions)[:, 1:], factors, codes[others, : len(factors)]
-    )
-    known_codes = np.concatenate([lobe, codes], axis=1)[~hidden]
-    return params, known_codes.astype(np.float32), _figures("E of codes", errors)
-
-
-def untrained(arch: Architecture, params: Params) -> weights.Model:
-    """A model with these parameters, in which all others are zero."""
-    zeros = {name: np.zeros(shape, np.float32) for name, shape in arch.parameter_shapes().items()}
-    return weights.Model.of(arch, zeros | dict(params), {})
+    params = {name: np.zeros(shape, np.float32) for name, shape in arch.parameter_shapes().items()}
+    params |= {"basis.rows": functions, "basis.measure": measure, "basis.prior": prior}
+    model = weights.Model.of(arch, params, {})
+    codes = basis_fit.bottom_codes(model, held)
+    unseen, numbers = every.taken(np.flatnonzero(hidden & coated)), codes[hidden & coated]
+    numbers = numbers[:, arch.lobe : arch.lobe + arch.functions]
+    errors = unseen.errors(unseen.at_nodes(functions)[:, 1:], factors, numbers)
+    return model, codes[~hidden], _figures("E of codes", errors)
 
 
 def layerings(
