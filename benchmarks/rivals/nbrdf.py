@@ -19,7 +19,8 @@ from benchmarks.rivals.perceptron import (
     training_data,
 )
 
-from urushi.core.directions import half_difference_angles
+from urushi.core.directions import half_difference
+from urushi.core.namespace import NUMPY, components
 from urushi.measured.tabulated import evaluate
 
 #: Widths of the layers, the inputs first; number of weights of a material.
@@ -59,7 +60,8 @@ def inputs(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
 
     The azimuth of h is 0; that of d is taken modulo pi, so that f is reciprocal.
     """
-    return vectors(*half_difference_angles(wi.astype(np.float64), wo.astype(np.float64)))
+    wi, wo = (components(w.astype(np.float64)) for w in (wi, wo))
+    return vectors(*half_difference(wi, wo, NUMPY))
 
 
 def vectors(theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray) -> np.ndarray:

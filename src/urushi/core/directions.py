@@ -10,7 +10,7 @@ from typing import Any
 import drjit as dr
 import numpy as np
 
-from urushi.core.namespace import DRJIT, NUMPY, Components, Namespace
+from urushi.core.namespace import DRJIT, Namespace
 
 
 def reflect(w, m):
@@ -61,13 +61,6 @@ def rotated(w: np.ndarray, turn: float, mirrored: bool = False) -> np.ndarray:
     """
     rotation = turned(w, np.array(2 * np.pi * turn))
     return (rotation * [1.0, -1.0 if mirrored else 1.0, 1.0]).astype(np.float32)
-
-
-def half_difference_angles(
-    wi: np.ndarray, wo: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`half_difference` (N,) of unit vectors, float64 (N, 3)."""
-    return half_difference(Components(*wi.T), Components(*wo.T), NUMPY)
 
 
 def half_difference(wi: Any, wo: Any, xp: Namespace) -> tuple[Any, Any, Any]:

@@ -14,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.core.directions import above_horizon, directions_at, half_difference_angles
+from urushi.core.directions import above_horizon, directions_at, half_difference
+from urushi.core.namespace import NUMPY, components
 from urushi.walk.tabulated import Tabulated
 
 #: Numbers of bins along theta_h, theta_d and phi_d.
@@ -107,7 +108,7 @@ def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarra
     theta_d the first bin's value is used, above the last centre the last bin's.
     """
     shape, rows = table.shape[:3], table.reshape(-1, table.shape[3])
-    theta_h, theta_d, phi_d = half_difference_angles(wi, wo)
+    theta_h, theta_d, phi_d = half_difference(components(wi), components(wo), NUMPY)
     half = _between_centres(np.sqrt(theta_h / (np.pi / 2)), shape[0])
     difference = _between_centres(theta_d / (np.pi / 2), shape[1])
     turn = _between_centres(phi_d / np.pi, shape[2], periodic=True)
