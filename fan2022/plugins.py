@@ -14,7 +14,7 @@ from fan2022.material import Material, encode, load
 from fan2022.networks import PaperNetworks, projection_pairs
 from fan2022.texels import CodeTexture, choose, different_rows
 from urushi.errors import ParameterError, PlatformError
-from urushi.mitsuba.properties import path_of
+from urushi.mitsuba.properties import path_of, switch_of
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import check_nodes, varying_textures
 from urushi.mitsuba.reading.nested import check_bottom, nested_bsdf
@@ -83,6 +83,9 @@ class PaperLayered(PaperSurface):
     weights        string                File of the networks. (Required)
     resolution     integer               Texels per side if anything is textured. (Default: that
                                          of the largest texture; 384 bytes for an RGB texel)
+    mipmaps        boolean               Whether to average codes to mip levels, for
+                                         integrators that compute derivatives of uv. Those that
+                                         ship with Mitsuba do not. (Default: false)
     ============== ===================== ====================================================
 
     The coat and the nested BSDF are given as for ``neural_layered``, isotropic and with indices
@@ -91,11 +94,12 @@ class PaperLayered(PaperSurface):
     memory. Textures are baked over the unit square of uv, which repeats.
     """
 
-    PROPERTIES = COAT_PROPERTIES
+    PROPERTIES = (*COAT_PROPERTIES, "mipmaps")
 
     def _load(self, props):
         self._bottom = nested_bsdf(props)
         super()._load(props)
+        self._mipmaps = switch_of(props, "mipmaps")
         self._coat = CoatTextures(props)
         check_bottom(self._bottom, self._coat.where)
         if self._coat.is_anisotropic or self._coat.has_rotation:
@@ -117,7 +121,7 @@ class PaperLayered(PaperSurface):
         chosen = choose(parts, inner, self._resolution, self._coat.where)
         coat = self._coat.layering(chosen.uv())
         codes = self.networks.layer(self._bottom_codes(below, chosen), coat)
-        self.codes = CodeTexture(self.networks, codes, chosen)
+        self.codes = CodeTexture(self.networks, codes, chosen, self._mipmaps)
 
     def _bottom_codes(self, below, grid):
         """Codes (T or 1, C, 32) of the bottom on a grid; below: it, if it has own codes."""

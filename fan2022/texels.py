@@ -1,6 +1,7 @@
 """Textures of codes of the networks of Fan et al. 2022, in Dr.Jit.
 
-One texel is drawn, as in `mitsuba.reading.textures`.
+One texel is drawn, as in `mitsuba.latents.texels`. Mip levels are means of codes: the networks'
+latent space is linear (Fan et al. 2022).
 """
 
 import contextlib
@@ -75,21 +76,51 @@ def _resolution(texture: "mi.Texture") -> np.ndarray:
 class CodeTexture:
     """Codes on a grid of texels, in single precision, and f and proposals of its vertices."""
 
-    def __init__(self, networks: PaperNetworks, codes: np.ndarray, grid: TexelGrid = ONE_TEXEL):
+    def __init__(
+        self,
+        networks: PaperNetworks,
+        codes: np.ndarray,
+        grid: TexelGrid = ONE_TEXEL,
+        mipmaps: bool = False,
+    ):
         """codes: (T, C, 32) of the grid's texels, or (1, C, 32)."""
-        self.grid = grid
         self.codes = np.broadcast_to(codes, (grid.texels, *codes.shape[1:]))
-        self._numbers = owned(mi.Float, self.codes)
+        levels = [self.codes.reshape(grid.height, grid.width, *codes.shape[1:])]
+        while mipmaps and levels[-1].shape[:2] != (1, 1):
+            levels.append(half_resolution(levels[-1]))
+        self.grid = grid
+        self._grids = [grid._replace(width=x.shape[1], height=x.shape[0]) for x in levels]
+        self._numbers = owned(mi.Float, np.concatenate([x.ravel() for x in levels]))
         self._decoder, self._sampler = PaperDecoder(networks.params), PaperSampler(networks.params)
 
     def vertex(self, si) -> list[list]:
-        """The codes at a surface interaction: a list (32) of Dr.Jit floats for each channel."""
-        channels, (column, row) = self._channels, drawn_texel(si, self.grid)
-        first = mi.UInt32(row * mi.Int32(self.grid.width) + column) * channels
+        """The codes at a surface interaction: a list (32) of Dr.Jit floats for each channel.
+
+        They are of a level whose texels have about the size of a pixel where the integrator
+        computes derivatives of uv.
+        """
+        texel, before, channels = mi.UInt32(0), 0, self._channels
+        level = self._level(si)
+        for k, grid in enumerate(self._grids):
+            column, row = drawn_texel(si, grid)
+            own = before + mi.UInt32(row * mi.Int32(grid.width) + column)
+            texel, before = dr.select(level == k, own, texel), before + grid.texels
         return [
-            [dr.gather(mi.Float, self._numbers, (first + c) * LATENT + i) for i in range(LATENT)]
+            [
+                dr.gather(mi.Float, self._numbers, (texel * channels + c) * LATENT + i)
+                for i in range(LATENT)
+            ]
             for c in range(channels)
         ]
+
+    def _level(self, si) -> "mi.UInt32":
+        """The mip level at a surface interaction."""
+        squared = mi.Float(1)
+        for change in (si.duv_dx, si.duv_dy):
+            length = dr.square(change.x * self.grid.width) + dr.square(change.y * self.grid.height)
+            squared = dr.maximum(squared, length)
+        last = len(self._grids) - 1
+        return dr.minimum(mi.UInt32(0.5 * dr.log2(squared) + 0.5), last) if last else mi.UInt32(0)
 
     def f(self, vertex: list[list], si, wo, active) -> "mi.Spectrum":
         recorded = dr.flag(dr.JitFlag.SymbolicScope)
@@ -105,6 +136,20 @@ class CodeTexture:
     @property
     def _channels(self) -> int:
         return self.codes.shape[1]
+
+
+def half_resolution(values: np.ndarray) -> np.ndarray:
+    """Averages (h, w, ...) over areas of a level's values (H, W, ...): the next level."""
+    return _half(_half(values).swapaxes(0, 1)).swapaxes(0, 1)
+
+
+def _half(values: np.ndarray) -> np.ndarray:
+    """Averages along the first axis: of two values, or of three by area if the count is odd."""
+    count, half = len(values), max(len(values) // 2, 1)
+    edges = np.linspace(0, count, half + 1)[:, None]
+    before = np.clip(edges - np.arange(count), 0, 1)  # shares of values before an edge
+    share = np.diff(before, axis=0) * (half / count)
+    return np.tensordot(share.astype(np.float32), values, 1)
 
 
 def different_rows(f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -128,6 +128,8 @@ def _read_zip(data: bytes) -> tuple[Any, dict[str, bytes]]:
         (name,) = (name for name in archive.namelist() if name.endswith("/data.pkl"))
         folder = f"{name.removesuffix('.pkl')}/"
         files = [file for file in archive.namelist() if file.startswith(folder)]
+        if sum(archive.getinfo(file).file_size for file in (name, *files)) > len(data):
+            raise ValueError(name)  # PyTorch does not compress: the numbers could fill any memory
         numbers = {file.removeprefix(folder): archive.read(file) for file in files}
         return _Unpickler(io.BytesIO(archive.read(name))).content(), numbers
 

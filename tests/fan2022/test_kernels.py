@@ -172,6 +172,26 @@ def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs):
         textured.save("nowhere")
 
 
+def test_mip_levels_are_means_of_codes(rgb, paper):
+    """At a footprint of 2^k texels, the code is the mean of 2^k x 2^k texels."""
+    from fan2022.texels import CodeTexture
+
+    from urushi.mitsuba.reading import probing
+    from urushi.textures.store import TexelGrid
+
+    own, _ = paper
+    codes = np.random.default_rng(4).normal(size=(32, 1, 32)).astype(np.float32)
+    texture = CodeTexture(own, codes, TexelGrid(8, 4, nearest=True), mipmaps=True)
+    si = probing.interaction(np.array([[0.0, 0.0, 1.0]]), np.array([[0.1, 0.2]]))
+    grid = codes.reshape(4, 8, 32)
+    whole = grid.mean((0, 1))
+    means = {0.5: grid[0, 0], 2: grid[:2, :2].mean((0, 1)), 4: grid[:, :4].mean((0, 1))}
+    for size, mean in {**means, 8: whole, 99: whole}.items():
+        si.duv_dx, si.duv_dy = rgb.Vector2f(size / 8, 0), rgb.Vector2f(0, size / 16)
+        found = np.array([z.numpy() for z in texture.vertex(si)[0]]).ravel()
+        np.testing.assert_allclose(found, mean, atol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("extra", "sentence"),
     [

@@ -272,6 +272,11 @@ def test_files_of_other_kinds_are_refused(files, tmp_path):
             state_dict(path)
     with pytest.raises(FileError, match="cannot read .* No such file"):
         state_dict(tmp_path / "missing.pth")
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:  # a small file of much memory
+        archive.writestr("other/data.pkl", dictionary({"a": tensor(np.ones(6, np.float32), "0")}))
+        archive.writestr("other/data/0", bytes(1 << 20))
+    with pytest.raises(FileError, match="is damaged"):
+        state_dict(path)
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("words.txt", "no tensors")
     with pytest.raises(FileError, match="is damaged"):

@@ -28,6 +28,19 @@ def test_the_grid_resolves_all_textures_over_uv(rgb):
         choose({"albedo": attribute}, ONE_TEXEL, 0, "test")
 
 
+@pytest.mark.parametrize(("width", "height"), [(8, 4), (7, 5), (5, 1), (1, 6)])
+def test_every_level_keeps_the_average(rgb, width, height):
+    from fan2022.texels import half_resolution
+
+    values = np.random.default_rng(1).random((height, width, 2)).astype(np.float32)
+    mean = values.mean(axis=(0, 1))
+    while values.shape != (1, 1, 2):
+        sides = [max(side // 2, 1) for side in values.shape[:2]]
+        values = half_resolution(values)
+        assert values.shape == (*sides, 2)
+        np.testing.assert_allclose(values.mean(axis=(0, 1)), mean, rtol=1e-5)
+
+
 def test_rows_are_the_same_within_rounding(rgb):
     from fan2022.texels import different_rows
 
