@@ -1,10 +1,9 @@
 /** The page as one document: in a frame of a notebook, and opened as a file. */
 
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import type { FrameLocator, Page } from "@playwright/test";
-import { python } from "../python";
+import { folderOfTest, python } from "../python";
 import { expect, test } from "./page";
 
 // Both workers compute.
@@ -15,7 +14,7 @@ let file: string;
 let site: string;
 
 test.beforeAll(() => {
-  folder = mkdtempSync(join(tmpdir(), "document-"));
+  folder = folderOfTest();
   file = join(folder, "lacquer.html");
   site = join(folder, "site");
   python(`
@@ -24,8 +23,6 @@ main(["view", "coat(diffuse(0.5), alpha=0.2, sigma_t=1.0)", "-o", "${file}"])
 main(["view", "-o", "${site}"])
 `);
 });
-
-test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
 
 /** It begins with its material, computes, and reads its files. */
 async function works(place: Page | FrameLocator, page: Page): Promise<void> {

@@ -1,12 +1,12 @@
 /** Opening and saving: good files, bad files, and what is written is read again. */
 
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
 import { exrFile } from "../../src/save/exr";
 import { toJson } from "../../src/state/address";
 import type { State } from "../../src/state/state";
+import { folderOfTest } from "../python";
 import { coats, enter, expect, give, number, open, panorama, saved, stateOf, test } from "./page";
 
 test("what cannot be read is refused in a sentence", async ({ page }) => {
@@ -117,7 +117,7 @@ test("two files are opened together, and a folder and a missing clipboard are to
     for (const type of ["dragEnter", "dragOver", "dragOver", "drop"] as const)
       await session.send("Input.dispatchDragEvent", { type, x: 300, y: 300, data });
   };
-  const folder = mkdtempSync(join(tmpdir(), "dropped-"));
+  const folder = folderOfTest();
   writeFileSync(join(folder, "evening.hdr"), panorama(64, 32, [128, 64, 32, 129]));
   writeFileSync(
     join(folder, "state.json"),
@@ -137,7 +137,6 @@ test("two files are opened together, and a folder and a missing clipboard are to
     document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true }));
   });
   await expect(page.getByRole("alert")).toContainText("is no file");
-  rmSync(folder, { recursive: true });
   await page.getByRole("button", { name: "Save", exact: true }).click();
   await page.getByRole("button", { name: /^Copy the address/ }).click();
   await expect(page.getByRole("alert")).toContainText("copy the address from the address bar");

@@ -1,11 +1,10 @@
 /** Textures of codes: decoded at each pixel, as Mitsuba renders them; and what cannot be done. */
 
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
 import { nameOf } from "../../src/save/zip";
-import { python } from "../python";
+import { folderOfTest, python } from "../python";
 import { expectAlike, hasFlip } from "./compared";
 import { addressOf, coats, colourAt, expect, give, open, refined, saved, test } from "./page";
 
@@ -13,13 +12,11 @@ let folder: string;
 let texture: Buffer;
 
 test.beforeAll(() => {
-  folder = mkdtempSync(join(tmpdir(), "texture-"));
+  folder = folderOfTest();
   const file = join(folder, "stripes.safetensors");
   python(join(import.meta.dirname, "texture.py"), file);
   texture = readFileSync(file);
 });
-
-test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
 
 /** The material of the texture. */
 function stripes() {

@@ -1,11 +1,9 @@
 /** The example with three.js: its pixels are those of `Material.f`. */
 
-import { mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
 import { join } from "node:path";
 import type { Page } from "@playwright/test";
 import { encoded } from "../../src/material/colour";
-import { python } from "../python";
+import { folderOfTest, python } from "../python";
 import { expect, pixelsOf, test } from "./page";
 
 interface Pixel {
@@ -24,12 +22,10 @@ let folder: string;
 let pixels: Pixel[];
 
 test.beforeAll(() => {
-  folder = mkdtempSync(join(tmpdir(), "threejs-"));
+  folder = folderOfTest();
   const script = join(import.meta.dirname, "sphere.py");
   pixels = JSON.parse(python(script, folder, String(SIZE)));
 });
-
-test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
 
 /** Open the example, served from its folder, with the packages of this one. */
 async function show(page: Page, baseURL: string, samples: number): Promise<void> {

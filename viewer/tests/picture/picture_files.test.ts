@@ -1,11 +1,10 @@
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { describe, expect, test } from "vitest";
 import { FileError } from "../../src/core/safetensors";
 import { readPanorama, readPicture } from "../../src/picture/picture_files";
 import { exrFile } from "../../src/save/exr";
-import { hasPython, python } from "../python";
+import { folderOfTest, hasPython, python } from "../python";
 
 /** Writes pictures that Mitsuba compresses, in single and in half precision, and prints the pixels. */
 const WRITE = `
@@ -29,7 +28,7 @@ describe("reading .exr files", () => {
   });
 
   test.skipIf(!hasPython)("what Mitsuba writes is read", () => {
-    const folder = mkdtempSync(join(tmpdir(), "exr-"));
+    const folder = folderOfTest();
     const written: number[] = JSON.parse(python(WRITE, folder));
     const read = (name: string) => readPicture(readFileSync(join(folder, name)), "exr");
     const single = read("single.exr");
@@ -39,7 +38,6 @@ describe("reading .exr files", () => {
       // Eleven bits, or steps of 2^-24
       expect(Math.abs(value - written[at])).toBeLessThan(2 ** -11 * written[at] + 2 ** -24);
     });
-    rmSync(folder, { recursive: true });
   });
 
   test("a file that ends early and another file are refused", () => {

@@ -1,7 +1,6 @@
 /** MaterialX documents: OpenPBR's own formulas give the page's materials back; Python reads the same. */
 
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
@@ -10,7 +9,7 @@ import { METALS, preset } from "../../src/material/presets";
 import { materialxText } from "../../src/save/materialx";
 import { readMaterial } from "../../src/state/read";
 import { bytesOf, SHIPPED } from "../core/vectors";
-import { hasPython, python } from "../python";
+import { folderOfTest, hasPython, python } from "../python";
 
 const READ = `
 import json, sys
@@ -101,22 +100,17 @@ test.each([
 });
 
 test.skipIf(!hasPython)("Python reads the same parameters", { timeout: 120_000 }, () => {
-  const folder = mkdtempSync(join(tmpdir(), "urushi-"));
-  try {
-    const path = join(folder, "paint.mtlx");
-    const material = {
-      bottom: { kind: "diffuse", reflectance: [0.5, 0.2, 0.1] },
-      coats: [{ alpha: 0.04, ior: 1.6, color: [0.9, 0.8, 0.5] }, { alpha: 0.2 }],
-    };
-    const { text, lost } = materialxText(readMaterial(material));
-    expect(lost).toBe("");
-    writeFileSync(path, text);
-    const read = JSON.parse(python(READ, path));
-    for (const [name, value] of Object.entries(inputs(text)))
-      [value].flat().forEach((number, k) => {
-        expect([read[name]].flat()[k]).toBeCloseTo(number, 6);
-      });
-  } finally {
-    rmSync(folder, { recursive: true });
-  }
+  const path = join(folderOfTest(), "paint.mtlx");
+  const material = {
+    bottom: { kind: "diffuse", reflectance: [0.5, 0.2, 0.1] },
+    coats: [{ alpha: 0.04, ior: 1.6, color: [0.9, 0.8, 0.5] }, { alpha: 0.2 }],
+  };
+  const { text, lost } = materialxText(readMaterial(material));
+  expect(lost).toBe("");
+  writeFileSync(path, text);
+  const read = JSON.parse(python(READ, path));
+  for (const [name, value] of Object.entries(inputs(text)))
+    [value].flat().forEach((number, k) => {
+      expect([read[name]].flat()[k]).toBeCloseTo(number, 6);
+    });
 });

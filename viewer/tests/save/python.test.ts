@@ -1,9 +1,8 @@
 /** What the page saves, in Python: it gives the f that the page computes. */
 
-import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { afterAll, expect, test } from "vitest";
+import { expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
 import { sequencePoint } from "../../src/core/sequence";
 import { materialFile } from "../../src/engine/material_file";
@@ -14,7 +13,7 @@ import { shaderText } from "../../src/save/shader";
 import { readMaterial } from "../../src/state/read";
 import { bytesOf, pairs, relativeError, SHIPPED, SHIPPED_ANISOTROPIC } from "../core/vectors";
 import { Draws } from "../material/random";
-import { hasPython, python } from "../python";
+import { folderOfTest, hasPython, python } from "../python";
 
 const EVALUATE = join(import.meta.dirname, "evaluate.py");
 const NETWORKS = `
@@ -56,8 +55,7 @@ const UNDER_VARNISH = [
   { bottom: { kind: "dielectric", ior: 0.6 }, coats: [{ ior: 0.51 }, { ior: 3 }, { ior: 0.51 }] },
   ...COMPENSATED,
 ].map((material) => readMaterial(material));
-const folder = mkdtempSync(join(tmpdir(), "urushi-"));
-afterAll(() => rmSync(folder, { recursive: true }));
+const folder = folderOfTest();
 
 // Needs the project's Python environment, which `make test-web` sets up.
 test.skipIf(!hasPython)(
