@@ -377,7 +377,7 @@ CONSTANTS: dict[str, str] = {
     "core.appearance": "WI WO",
     "core.facets": "MIRROR",
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
-    "core.stretched": "FACTORS STEP LARGEST",
+    "core.stretched": "FACTORS",
     "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
     "material.albedo_rule": "COSINES AZIMUTHS NODES",
     "material.energy": (

@@ -12,7 +12,6 @@ import functools
 import numpy as np
 
 from urushi.core.namespace import components
-from urushi.core.stretched import rounded
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.crossing import facet_points, mirrored
 from urushi.nets import basis, code_fit, transmittance
@@ -83,24 +82,14 @@ def lobe_albedos(lobe: np.ndarray) -> np.ndarray:
 
 
 def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """Directional albedos (N, K) of the rests of codes (N, L).
-
-    Stretches are rounded: those of many nodes of a texture all differ, and each has functions of
-    its own.
-    """
+    """Directional albedos (N, K) of the rests of codes (N, L)."""
     rule, functions = albedo_rule(model.arch.widths), node_functions(model)
-    order = np.arange(len(z))
-    if model.arch.widths == 2:
-        z = np.column_stack([z[:, :-1], rounded(z[:, -1])]).astype(np.float32)
-        order = np.argsort(z[:, -1])  # equal ones one after the other
 
     def measure(codes: np.ndarray) -> np.ndarray:
         return rule.albedo(model.networks.rest_at_all(codes, functions))
 
-    found = np.empty((len(z), len(rule.directions)), np.float32)
-    fill_blocks(found, measure, z[order], rows=BLOCK)
-    result = np.empty_like(found)
-    result[order] = found
+    result = np.empty((len(z), len(rule.directions)), np.float32)
+    fill_blocks(result, measure, z, rows=BLOCK)
     return result
 
 

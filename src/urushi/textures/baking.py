@@ -13,6 +13,7 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.namespace import Namespace
+from urushi.core.stretched import rounded
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.energy import MARGIN, limit_albedo
 from urushi.nets import lobe as lobes
@@ -148,15 +149,22 @@ def bake(
     smooth = interpolant(x, found(x, ())[:, :, 0], norm)
 
     def rests_at(x: np.ndarray) -> np.ndarray:
-        """Rests (C, k, K) at coordinates (k, d)."""
+        """Rests (C, k, K) at coordinates (k, d).
+
+        Albedos are those of rounded stretches: each stretch has functions of its own.
+        """
         rests = np.moveaxis(smooth(x), 1, 0)
         tops = lobes_at(x)
         whole = np.broadcast_to(tops, (*rests.shape[:2], size))
         codes = np.concatenate([whole, rests], axis=-1, dtype=np.float32)
+        if model.widths == 2:
+            codes[..., -1] = rounded(codes[..., -1])
         directions = albedo_rule(model.widths).directions
         # No light is added by what `FAINT` adds, of at most this albedo.
         faint = np.pi * FAINT * transmittance.of_lobe(tops[:, None], directions)
-        return limit_albedo(model, codes, 1 - MARGIN + faint)[..., size:]
+        limited, gains = limit_albedo(model, codes, 1 - MARGIN + faint), model.networks.gains
+        rests[..., 0] += gains(limited) - gains(codes)
+        return rests
 
     shape = node_counts(model, rests_at, len(own))
     nodes = np.array([*np.ndindex(*shape)], float) / (np.array(shape) - 1.0)

@@ -8,7 +8,7 @@
 import type { AtPairs, Basis } from "./basis";
 import { mirrored } from "./facets";
 import { Pairs } from "./features";
-import { ALBEDO_RULE, ENERGY, STRETCHED, type Vector } from "./formulas";
+import { ALBEDO_RULE, ENERGY, type Vector } from "./formulas";
 import { passedBothWays, reflectance, widthsOfLobe } from "./lobe";
 import { directionRule } from "./quadrature";
 
@@ -62,16 +62,10 @@ export class EnergyLimit {
     this.nodes = basis.at(Pairs.of(wi, wo, widths));
   }
 
-  /** The directional albedos of a code without its lobe; its stretch is rounded, as in Python. */
+  /** The directional albedos of a code without its lobe. */
   private albedos(code: Float32Array): Float64Array {
     const albedos = new Float64Array(this.directions.length);
-    const measured = code.slice();
-    if (this.basis.widths === 2) {
-      const stretch = Math.round(code[code.length - 1] / STRETCHED.STEP) * STRETCHED.STEP;
-      const most = STRETCHED.LARGEST;
-      measured[code.length - 1] = Math.min(Math.max(stretch, -most), most);
-    }
-    this.basis.values(measured, this.nodes).forEach((f, i) => {
+    this.basis.values(code, this.nodes).forEach((f, i) => {
       albedos[this.rows[i]] += passedBothWays(code, this.nodes.pairs, i) * f * this.weights[i];
     });
     return albedos;

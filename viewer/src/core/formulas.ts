@@ -24,7 +24,7 @@ export const FACETS = { MIRROR: 100000000 } as const;
 export const QUADRATURE = { POLAR_NODES: 48, AZIMUTH_NODES: 16, MIN_TANGENT: 1e-05 } as const;
 
 /** Of `urushi.core.stretched` of Python. */
-export const STRETCHED = { FACTORS: 5, STEP: 0.03125, LARGEST: 1.25 } as const;
+export const STRETCHED = { FACTORS: 5 } as const;
 
 /** Of `urushi.core.table` of Python. */
 export const TABLE = { SHAPE: [96, 32, 8], MIN_LOG: -25, MAX_LOG: 16, MIN_COSINE: 0.005 } as const;
