@@ -58,6 +58,8 @@ def test_a_bad_beginning_gets_one_sentence(tmp_path, content, message):
         ({"rgb": ((1, 4, 3, HUGE, 1), None, None)}, "'rgb' ends at byte .*, outside the file"),
         ({"rgb": ((2**63, 2**63), None, None)}, "outside the file"),
         ({"rgb": (None, None, 2**64 - 1)}, "outside the file"),
+        ({"vndf": (None, None, 20)}, "'vndf' overlaps the header"),
+        ({"sigma": (None, None, 500)}, "overlaps"),
         ({"rgb": (None, 0, None)}, "'rgb' has the unknown type 0"),
         ({"rgb": (None, 12, None)}, "'rgb' has the unknown type 12"),
         ({"rgb": (None, 9, None)}, "'rgb' is float16 of shape .* not float32 with 5 dimensions"),
@@ -74,6 +76,14 @@ def test_an_inconsistent_tensor_header_gets_one_sentence(fields, tmp_path, forge
     path.write_bytes(writers.tensor_file(fields, forge=forged))
     with pytest.raises(FileError, match=message):
         bounded(path, 1 << 20)
+
+
+def test_a_tensor_named_twice_is_refused(fields, tmp_path):
+    path = tmp_path / "twice.bsdf"
+    content = writers.tensor_file(dict(fields, phi_j=fields["phi_i"]))
+    path.write_bytes(content.replace(b"phi_j", b"phi_i"))
+    with pytest.raises(FileError, match="two of its tensors have the name 'phi_i'"):
+        load_measured(path)
 
 
 def bounded(path, memory):

@@ -30,7 +30,8 @@ def read(path: Path) -> dict[str, np.ndarray]:
     """The arrays by name of a file that begins with `MAGIC`; they share the memory of its content.
 
     Raises:
-        FileError: the file is of another version or truncated, or a tensor lies outside of it.
+        FileError: the file is of another version or truncated, or its tensors repeat a name,
+            overlap, or lie outside of it.
     """
     content = path.read_bytes()
     if tuple(content[12:14]) not in ((), VERSION):
@@ -58,7 +59,7 @@ def _tensors(content: bytes) -> dict[str, np.ndarray]:
     (count,) = unpack("I")
     if count > MAX_FIELDS:
         raise ValueError(f"it claims {count} fields")
-    found = {}
+    found, extents = {}, []
     for _ in range(count):
         (length,) = unpack("H")
         name = unpack(f"{length}s")[0].decode("utf-8", "replace")[:40]
@@ -71,8 +72,16 @@ def _tensors(content: bytes) -> dict[str, np.ndarray]:
         end = start + math.prod(shape) * dtype.itemsize
         if end > len(content):
             raise ValueError(f"its tensor {name!r} ends at byte {end}, outside the file")
+        if name in found:
+            raise ValueError(f"two of its tensors have the name {name!r}")
         try:
             found[name] = np.frombuffer(memoryview(content)[start:end], dtype).reshape(shape)
         except ValueError as error:  # a dimension too large for NumPy in an empty array
             raise ValueError(f"its tensor {name!r} has the shape {shape}") from error
+        extents.append((start, end, repr(name)))
+    end, previous = place, "the header"
+    for start, following, name in sorted(extents):
+        if start < end:
+            raise ValueError(f"its tensor {name} overlaps {previous}")
+        end, previous = following, name
     return found
