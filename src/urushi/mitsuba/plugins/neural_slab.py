@@ -49,7 +49,7 @@ def _lobes(tables: SlabTables) -> np.ndarray:
     """Proposals (2, `ELEVATIONS`, 9), of each side and the root of the cosine of wi.
 
     The share that is reflected, within `SHARES`; and widths at `QUANTILES` of the half angles, of
-    reflected light and of transmitted light, as `coats.BottomLobes`.
+    reflected light and of transmitted light, as `bottom_lobes.BottomLobes`.
     """
     found = np.empty((2, ELEVATIONS, 1 + 2 * len(QUANTILES)), np.float32)
     sides = 1 if tables.reflected[0] is tables.reflected[1] else 2
