@@ -105,7 +105,17 @@ test("two materials are compared by a swipe, and by a difference that is dark wh
   // The same lightness in another colour is a difference, too.
   await reflectance([0.3, 0.32, 0.18]);
   await expect.poll(sum).toBeGreaterThan(300);
-  const before = await sum();
+  let before = 0; // once it does not change any more
+  await expect
+    .poll(
+      async () => {
+        const last = before;
+        before = await sum();
+        return Math.abs(before - last);
+      },
+      { intervals: [1000] },
+    )
+    .toBeLessThan(2);
   await page.getByLabel("Largest difference").selectOption("50");
   await expect.poll(sum).toBeLessThan(before - 50);
   const legend = page.locator(".legend");
