@@ -13,6 +13,9 @@ from tempfile import TemporaryDirectory
 
 import mitsuba as mi
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
 from gallery import stage
 
 import urushi

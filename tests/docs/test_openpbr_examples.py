@@ -1,5 +1,8 @@
 """The table of OpenPBR's examples in the documentation is what the reader finds."""
 
+import os
+import subprocess
+import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
@@ -42,3 +45,11 @@ def test_refusals_name_what_is_missing(module):
     assert result == "refused: dispersion (`transmission_dispersion_scale`)"
     assert module.outcome({"type": "openpbr", "transmission_weight": 1.0}) == "rendered"
     assert module.outcome({"type": "openpbr"}) == "rendered"
+
+
+def test_the_sheet_finds_the_gallery_from_any_folder(tmp_path):
+    """The gallery is not installed, and lies beside the folder of the script."""
+    code = "import runpy, sys; runpy.run_path(sys.argv[1])"
+    command = [sys.executable, "-c", code, str(DOCS / "openpbr_sheet.py")]
+    environment = os.environ | {"PYTHONPATH": str(DOCS.parent / "src")}
+    subprocess.run(command, cwd=tmp_path, env=environment, check=True, timeout=600)
