@@ -129,6 +129,11 @@ BODIES = {
     "no graph": (INPUT.format('interfacename="c"'), "from a node graph, but is not inside one"),
     "no parameter": (SURFACE.format('<input name="colour" type="color3"/>'), "no parameter"),
     "no unit": (INPUT.format('value="1, 1, 1" unit="cubit"'), "in 'cubit', an unknown unit; use"),
+    "a unit of no size": (
+        '<unitdef name="U" unittype="angle"><unit name="turn" scale="big"/></unitdef>'
+        + INPUT.format('value="1, 1, 1" unit="turn"'),
+        "the unit 'turn' has no number as scale",
+    ),
     "no shader": (MATERIAL.format("nodename", "n"), "which does not exist"),
     "no connection": (
         '<surfacematerial name="m" type="material"/>',

@@ -86,6 +86,11 @@ CASES = {
     ),
     "texcoord in space": (element("texcoord", "vector3"), (U, V, 0)),
     "degrees": (QUARTER.format("90", "degree"), (V, -U)),
+    "a unit of the document": (
+        '<unitdef name="U" unittype="angle"><unit name="turn" scale="360"/></unitdef>'
+        + QUARTER.format("0.25", "turn"),
+        (V, -U),
+    ),
     "radians": (QUARTER.format("1.57079632679", "radian"), (V, -U)),
     "place2d: p -> R((p - pivot) / scale) - offset + pivot, R clockwise": (
         UV

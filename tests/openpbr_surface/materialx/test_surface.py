@@ -54,6 +54,15 @@ def test_a_shader_may_be_in_a_graph_and_in_an_included_file(document):
     assert values["base_color"] == pytest.approx((1, 1, 1))
 
 
+def test_included_files_include_files_beside_them_or_beside_the_document(tmp_path, document):
+    (tmp_path / "parts").mkdir()
+    document('<xi:include href="paint.mtlx"/>', name="parts/all.mtlx")
+    text = '<xi:include href="parts/all.mtlx"/>' + SHADER.format('nodename="paint"')
+    for name, colour in (("paint.mtlx", (0.5, 0.25, 0.75)), ("parts/paint.mtlx", (0, 1, 0.5))):
+        document(PAINT.format(str(colour)[1:-1]), name=name)
+        assert read_surface(document(text)).values["base_color"] == colour
+
+
 @pytest.mark.parametrize(("space", "same"), [("lin_rec709", True), ("acescg", False)])
 def test_an_input_takes_the_nearest_colour_space(document, space, same):
     text = 'value="0.3, 0.2, 0.1"'

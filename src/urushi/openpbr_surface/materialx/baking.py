@@ -22,9 +22,9 @@ Value = Callable[[Evaluation], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """A value on the surface; a number has one pixel."""
+    """A value on the surface: a number, as one pixel, or an image."""
 
-    # (height, width, channels), the upper row first; linear sRGB; float32, but numbers float64.
+    # (height, width, channels), the upper row first; linear sRGB; float32, but numbers not.
     pixels: np.ndarray
     # The map (3, 3) from the surface's uv to the texture's, both from the upper left as in Mitsuba.
     to_uv: np.ndarray
@@ -37,7 +37,8 @@ class Texture:
 
     @property
     def is_number(self) -> bool:
-        return self.pixels.shape[:2] == (1, 1)
+        """Whether it is no image; an image may have one pixel, too."""
+        return self.pixels.dtype != np.float32
 
     @property
     def constant(self) -> np.ndarray | None:

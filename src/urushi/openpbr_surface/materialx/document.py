@@ -55,12 +55,14 @@ class _Reader:
     """Reads a file and its includes, with limits on all together."""
 
     def __init__(self, file: Path):
-        self._file = file
+        self._folder = Path(os.path.realpath(file)).parent
+        self._open: list[Path] = []  # the file that is read, after those that include it
         self._bytes = self._elements = self._includes = 0
 
     def read(self, root: Any, file: Path, options: Any) -> None:
         """Read a file into a document of the package."""
         where, mx, text = f"'{file}'", package(), self._content(file)
+        self._open.append(file)
         if not re.search(r"<materialx[\s/>]", text):
             raise FileError(f"{where} is not a MaterialX document: it has no element <materialx>")
         # The package would take minutes to name thousands of texts.
@@ -84,16 +86,21 @@ class _Reader:
         for node in root.traverseTree():  # exporters leave out the type of known shaders
             if node.getCategory() in SHADERS and not node.getAttribute("type"):
                 node.setAttribute("type", "surfaceshader")
+        self._open.pop()
 
     def include(self, root: Any, path: Any, _: Any, options: Any) -> None:
-        """Read an included file, as the package asks for it; circles are refused by the package."""
-        href, folder = path.asString(), Path(os.path.realpath(self._file)).parent
-        where = f"'{[self._file, *options.parentXIncludes][-2]}'"
+        """Read an included file, as the package asks for it; circles are refused by the package.
+
+        As in MaterialX, its path is relative to the file that includes it, or else to the document.
+        """
+        href, where = path.asString(), f"'{self._open[-1]}'"
         self._includes += 1
         if self._includes > MAX_INCLUDES:
             raise FileError(f"{where} includes more than {MAX_INCLUDES} files")
-        target = Path(os.path.realpath(folder / href))
-        if not target.is_relative_to(folder):
+        folders = Path(os.path.realpath(self._open[-1])).parent, self._folder
+        near, target = (Path(os.path.realpath(folder / href)) for folder in folders)
+        target = near if near.is_file() else target
+        if not target.is_relative_to(self._folder):
             raise FileError(
                 f"{where} includes '{href[:80]}' outside its folder; copy that file into the folder"
             )

@@ -4,13 +4,13 @@ Vectors are in the tangent frame: the normal is (0, 0, 1), the tangent (1, 0, 0)
 """
 
 import re
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
 from urushi.errors import FileError
 from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
-from urushi.openpbr_surface.materialx.graph import MAX_CHAIN, Graph, Node, Source, library
+from urushi.openpbr_surface.materialx.graph import MAX_CHAIN, Graph, Node, Source
 from urushi.openpbr_surface.materialx.images import ADDRESS_MODES, ImageUse, hextiles, sample
 from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES
 from urushi.openpbr_surface.materialx.shaders import FILM_UNITS
@@ -89,7 +89,7 @@ class Evaluation:
             return self._property(geometric, where) if geometric else zeros
         value = parse_value(text, kind, where)
         if unit := element.getAttribute("unit"):
-            if unit not in (known := _units()):
+            if unit not in (known := self._graph.units):
                 names = ", ".join(known)
                 raise FileError(
                     f"{where} has a value in '{unit[:40]}', an unknown unit; use {names}"
@@ -219,16 +219,6 @@ def parse_value(text: str, kind: str, where: str) -> np.ndarray:
     if value.shape != (channels,) or not np.isfinite(value).all():
         raise FileError(f"{where} has the value '{text[:60]}', which is not of type {kind}")
     return np.clip(np.trunc(value) if kind == "integer" else value, -1e30, 1e30)  # FLT_MAX: none
-
-
-@cache
-def _units() -> dict[str, tuple[bool, float]]:
-    """The library's units: whether they are of length, and the factor to metres or degrees."""
-    return {
-        unit.getName(): (units.getUnitType() == "distance", float(unit.getAttribute("scale") or 1))
-        for units in library().getUnitDefs()
-        for unit in units.getChildren()
-    }
 
 
 def _affine(uv: np.ndarray, image_uv: np.ndarray) -> tuple[tuple[float, ...], ...] | None:

@@ -223,3 +223,24 @@ class Graph:
     root: Frame
     images: Images
     uv_plane: bool = False  # whether positions in space are (u, v, 0); else they are refused
+
+    @cached_property
+    def units(self) -> dict[str, tuple[bool, float]]:
+        """Units of the library and of the document: whether they are of length, and the factor.
+
+        The factor is to metres, degrees, or what a unit without a scale measures.
+        """
+        return {
+            unit.getName(): (units.getUnitType() == "distance", self._scale(unit))
+            for source in (library(), self.root.scope)
+            for units in source.getUnitDefs()
+            for unit in units.getChildren()
+        }
+
+    def _scale(self, unit: Any) -> float:
+        try:
+            return float(unit.getAttribute("scale") or 1)
+        except ValueError as error:
+            raise FileError(
+                f"{self.root.where}: the unit '{unit.getName()[:40]}' has no number as scale"
+            ) from error
