@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap, nearly, vector
+from tests.mitsuba.probes import bitmap, nearly, strip, vector
 
 from urushi.core.appearance import LOOK
 from urushi.mitsuba.reading import probing
@@ -75,6 +75,16 @@ def test_dark_texels_of_a_width_are_the_least_width(rgb, networks, name):
         load(rgb, name, networks, alpha=0.0)
     with pytest.raises(RuntimeError, match="a texel of alpha is 1.3; it must be"):
         load(rgb, name, networks, alpha=bitmap(dark[..., None] + 1))
+
+
+def test_a_black_map_of_one_value_beside_another_texture_is_the_least_width(rgb, networks):
+    """It counts as a number, which is 0."""
+    other = {"albedo": strip(0.2, 0.7)}
+    black, least = (
+        mean_and_error(rgb, load(rgb, "neural_layered", networks, alpha=x, **other), (0.5, 0.5))
+        for x in (bitmap(np.zeros((2, 2, 1))), 0.01)
+    )
+    np.testing.assert_allclose(black[0], least[0], rtol=1e-5)
 
 
 def test_a_coat_over_a_textured_plastic_is_the_walk(rgb):

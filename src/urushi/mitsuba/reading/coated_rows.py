@@ -7,11 +7,12 @@ import mitsuba as mi
 import numpy as np
 
 from urushi import checks
-from urushi.checks import MIN_INDEX_STEP, CoatParameters
+from urushi.checks import MIN_ALPHA, MIN_INDEX_STEP, CoatParameters
 from urushi.core.microfacet import of_widths
 from urushi.material.layer import check_ratios
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.bottoms import Layer
+from urushi.mitsuba.reading.parameters import TWO_WIDTHS
 from urushi.mitsuba.reading.rows import BottomRows, NestedRows, along_u, wavelengths_of
 from urushi.mitsuba.reading.varying import NANOMETRES, WAVELENGTH
 from urushi.mitsuba.recording import owned
@@ -88,6 +89,8 @@ class CoatedRows:
             column = column.astype(np.float64)
             if name in self._changing:
                 column = column + named[name]
+            if name in ("alpha", *TWO_WIDTHS):  # a black map of one value, or one that follows
+                column = np.maximum(column, np.float32(MIN_ALPHA))
             if name == "eta":
                 column = np.where(np.abs(column - 1) < MIN_INDEX_STEP, 1, column)
             columns.append(np.broadcast_to(column, (self._channels, count)))
