@@ -68,7 +68,7 @@ export function TopBar() {
         type="button"
         class="text-button"
         aria-label="Open"
-        title="A material (.safetensors), a panorama (.hdr, .exr), a mesh (.obj, .glb, .gltf) or a saved state (.json); or drop it on the page"
+        title="A material (.safetensors), a panorama (.hdr, .exr), a mesh (.obj, .glb, .gltf, .ply) or a saved state (.json); or drop it on the page"
         onClick={() => input.current?.click()}
       >
         {labelled("open", "Open")}
