@@ -36,11 +36,14 @@ def remove_temporary_files() -> None:
 
 
 def as_path(path: Any) -> Path:
-    """The path of a file; a ParameterError if it is neither text nor a path."""
+    """The path of a file; a ParameterError if it is neither text nor a path, or has a null."""
     try:
-        return Path(path)
+        result = Path(path)
+        if "\0" in str(result):
+            raise TypeError(path)
     except TypeError as error:
         raise ParameterError(f"path must be the path of a file, not {path!r}") from error
+    return result
 
 
 @contextlib.contextmanager

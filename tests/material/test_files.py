@@ -57,6 +57,17 @@ def test_damaged_files_are_refused(arrays, model, tmp_path):
         load(path, model)
 
 
+def test_a_file_whose_description_of_a_bottom_is_none_is_damaged(model, tmp_path):
+    path = tmp_path / "a.safetensors"
+    description = {"version": FORMAT_VERSION, "weights": model.fingerprint, "bottom": None}
+    latents = np.ones((3, 14), np.float32)
+    coat = np.array([[0.1], [1.5], [0.0], [0.0], [0.0]])
+    arrays = {"latents": latents, "bottom.latents": latents, "coat": coat}
+    files.write_tensors(path, "material", description, arrays)
+    with pytest.raises(FileError, match="is damaged: .*; copy or write it again"):
+        load(path, model)
+
+
 def test_files_of_another_version_are_refused(material, model, tmp_path):
     path = tmp_path / "a.safetensors"
     description = {"version": FORMAT_VERSION + 1, "weights": model.fingerprint}

@@ -192,10 +192,9 @@ def test_paths_that_are_not_files(tmp_path):
         load_measured(tmp_path / "missing")
     with pytest.raises(FileError, match="cannot read"):
         load_measured(tmp_path)
-    with pytest.raises(FileError, match="null"):
-        load_measured("a\0b")
-    with pytest.raises(ParameterError, match="path must be the path of a file, not 5"):
-        load_measured(5)
+    for path in (5, "a\0b"):
+        with pytest.raises(ParameterError, match="path must be the path of a file, not "):
+            load_measured(path)
 
 
 def test_directions_are_checked(fields):

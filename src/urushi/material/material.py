@@ -302,7 +302,7 @@ def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     model = model_of_file(path, description.get("weights"), given)
     try:
         return _material(description, arrays, model)
-    except (KeyError, TypeError, ValueError, RecursionError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
         reason = f"it has no {error}" if isinstance(error, KeyError) else error
         raise FileError(
             f"the material file '{path}' is damaged: {reason}; copy or write it again"

@@ -48,8 +48,6 @@ def load_measured(path: str | os.PathLike) -> Merl | Rgl:
         if isinstance(error, FileError):
             raise
         raise FileError(f"cannot read '{source}': {error.strerror or error}") from error
-    except ValueError as error:  # a path with a null character
-        raise FileError(f"cannot read '{source}': {error}") from error
     try:
         return surface(content)
     except FileError as error:
