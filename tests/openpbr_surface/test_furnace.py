@@ -110,6 +110,17 @@ def test_a_white_material_under_a_coat_reflects_all_light(name):
         assert (1 - found < case.tolerance + noise).all()
 
 
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_codes_of_a_white_base_under_a_smooth_coat_lose_hardly_any_light(share):
+    """Not compensated. Codes along axes that are too bright at grazing angles lose it there only:
+    what white codes lose is given to coloured ones, which are not too bright."""
+    smooth = {"base_metalness": share, "coat_weight": 1.0, "coat_ior": 1.5}
+    smooth |= {"base_diffuse_roughness": strip(0.0, 0.1), "energy_compensation": False}
+    bsdf = loaded(base_color=WHITE, **smooth)
+    wi = np.stack([toward(cosine) for cosine in (1.0, 0.7, 0.4)])
+    assert sampled(bsdf, wi, SAMPLES)[0].mean((1, 2)) == pytest.approx(1, abs=0.03)
+
+
 @pytest.mark.parametrize("ior", [0.7, 1.0, 1.5])
 def test_a_rough_slab_becomes_the_closed_form_as_its_roughness_vanishes(ior):
     """A roughness of zero by a texture, which the plugin cannot know, is that by a number."""

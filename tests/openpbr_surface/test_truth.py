@@ -266,7 +266,6 @@ def differences(described: dict, form: str, name: str) -> list:
     second=lambda form, name: "smooth" not in name and not walked(form, name),
     leave=lambda form, name: "smooth" in name and (TABLE[name].transmits or walked(form, name)),
     unlike={
-        "neural_layered: smooth on white": "networks darken smooth coats of a low index",
         "neural_layered: rough on body": HORIZON,
         "neural_layered: brushed on white": TWO_WIDTHS,
         "neural_layered: brushed on metal": TWO_WIDTHS,

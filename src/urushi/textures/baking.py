@@ -15,7 +15,7 @@ from urushi.checks import CoatParameters
 from urushi.core.namespace import Namespace
 from urushi.core.stretched import rounded
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.energy import MARGIN, limit_albedo
+from urushi.material.energy import MARGIN, limit_albedo, nearest_below
 from urushi.nets import lobe as lobes
 from urushi.nets import transmittance
 from urushi.nets.weights import Model
@@ -146,14 +146,16 @@ def bake(
 
     x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
     norm = model.networks.basis.norm
-    smooth = interpolant(x, found(x, ())[:, :, 0], norm)
 
-    def rests_at(x: np.ndarray) -> np.ndarray:
-        """Rests (C, k, K) at coordinates (k, d).
+    def limited(
+        x: np.ndarray,
+        rests: np.ndarray,
+        limit: Callable[[Model, np.ndarray, np.ndarray], np.ndarray],
+    ) -> np.ndarray:
+        """The rests (C, k, K) of codes that `limit` makes of those of rests at coordinates (k, d).
 
         Albedos are those of rounded stretches: each stretch has functions of its own.
         """
-        rests = np.moveaxis(smooth(x), 1, 0)
         tops = lobes_at(x)
         whole = np.broadcast_to(tops, (*rests.shape[:2], size))
         codes = np.concatenate([whole, rests], axis=-1, dtype=np.float32)
@@ -162,9 +164,16 @@ def bake(
         directions = albedo_rule(model.widths).directions
         # No light is added by what `FAINT` adds, of at most this albedo.
         faint = np.pi * FAINT * transmittance.of_lobe(tops[:, None], directions)
-        limited, gains = limit_albedo(model, codes, 1 - MARGIN + faint), model.networks.gains
-        rests[..., 0] += gains(limited) - gains(codes)
-        return rests
+        changes = limit(model, codes, 1 - MARGIN + faint) - codes
+        return rests + changes[..., size:]
+
+    fitted = np.moveaxis(found(x, ())[:, :, 0], 0, 1)
+    # A fit that is too bright at grazing angles would be scaled down at all others as well.
+    smooth = interpolant(x, np.moveaxis(limited(x, fitted, nearest_below), 0, 1), norm)
+
+    def rests_at(x: np.ndarray) -> np.ndarray:
+        """Rests (C, k, K) at coordinates (k, d)."""
+        return limited(x, np.moveaxis(smooth(x), 1, 0), limit_albedo)
 
     shape = node_counts(model, rests_at, len(own))
     nodes = np.array([*np.ndindex(*shape)], float) / (np.array(shape) - 1.0)
