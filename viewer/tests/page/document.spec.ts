@@ -26,7 +26,7 @@ main(["view", "-o", "${site}"])
 
 /** It begins with its material, computes, and reads its files. */
 async function works(place: Page | FrameLocator, page: Page): Promise<void> {
-  await expect(place.locator(".status[data-converged]")).toBeVisible();
+  await expect(place.locator(".status")).toBeVisible();
   await expect(place.getByLabel("Coat 1, Roughness α, number")).toHaveValue("0.2");
   await place.getByRole("button", { name: "Add coat" }).click();
   await expect(place.getByLabel("Coat 2, Roughness α, number")).toHaveValue("0.2");

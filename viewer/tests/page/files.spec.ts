@@ -152,7 +152,7 @@ test("what the page begins with is fetched by another try", async ({ page, quiet
     await page.unroute(pattern);
     await page.getByRole("button", { name: "Try again" }).click();
   }
-  await expect(page.locator(".status[data-converged]")).toBeVisible();
+  await expect(page.locator(".status")).toBeVisible();
   await expect(page.getByRole("alert")).toHaveCount(0);
   quiet.length = 0; // Chromium logs what was not fetched
 });
@@ -209,7 +209,7 @@ test("a material with a table is shown by it, by its codes without the file, and
   await choose(/^Material Black urushi/, "film");
   await page.getByRole("button", { name: "Add coat" }).click();
   await expect(coats(page)).toHaveCount(1);
-  await expect(page.locator(".status[data-converged]")).toBeVisible();
+  await expect(page.locator(".status")).toBeVisible();
   await expect(page.getByRole("alert")).toHaveCount(0);
   const material = async () => (await stateOf(page)).materials[0];
   await expect.poll(material).toMatchObject({ coats: [{}], bottom: { kind: "codes" } });
