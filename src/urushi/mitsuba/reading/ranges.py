@@ -38,7 +38,7 @@ def check_coat(coat: CoatTextures) -> None:
                 return spectrum.to_channels(textures[0].eval(si, active))
             return [textures[0].eval_1(si, active)]
 
-        ends = np.array(range_of(read, textures, (np.nan, np.nan)))
+        ends = np.array(range_of(read, textures, (np.nan, np.nan), name != "eta"))
         if np.isnan(ends).all() and elsewhere(textures):
             continue
         ends = ends.astype(np.float64).round(6)
@@ -56,6 +56,7 @@ def range_of(
     read: Callable[..., list],
     textures: Sequence["mi.Texture"],
     whole: tuple[float, float],
+    plain: bool,
 ) -> tuple[float, float]:
     """The least and the largest value that a parameter has on a surface.
 
@@ -65,6 +66,7 @@ def range_of(
         read: from surface interactions and active lanes to the values.
         textures: on which it depends.
         whole: all values.
+        plain: whether it is the value of the only texture.
     """
     low, high = np.inf, -np.inf
     varying = [x for texture in textures for x in varying_textures(texture)]
@@ -74,6 +76,12 @@ def range_of(
         return float(np.min(values)), float(np.max(values))
     if any(x.class_name() in ELSEWHERE for x in varying):
         return whole
+    only = varying[0]
+    bitmap = only.class_name().startswith("BitmapTexture")
+    if bitmap and plain and only is textures[0] and not mi.is_spectral:
+        data = mi.traverse(only)["data"].numpy()
+        if data.dtype.kind == "f":  # whole numbers are other values, with the gamma of colours
+            return float(data.min()), float(data.max())
     places = [texel_centres(x) for x in varying]
     if len(places) > 1:  # a function of several textures may be extreme between their texels
         places.append(np.random.default_rng(0).random((POINTS, 2)))

@@ -120,7 +120,7 @@ def _of_coat(coat: CoatTextures) -> list[Varying]:
             return coat.at(si, active)[name]
 
         whole = _whole(coat, name, scale)
-        ends = range_of(read, own, whole)
+        ends = range_of(read, own, whole, own == [coat.textures.get(name)])
         if scale == WIDTH:
             ends = max(ends[0], MIN_ALPHA), max(ends[1], MIN_ALPHA)
         coloured = name in ("albedo", "sigma_t", "g", *coat.coloured) and any(map(_coloured, own))
@@ -154,7 +154,7 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
                 return [texture.eval_1(si, active)]
             return spectrum.to_channels(texture.eval(si, active))
 
-        ends = range_of(read, [texture], whole)
+        ends = range_of(read, [texture], whole, True)
         check = finite_number if scale == LINEAR else nonnegative
         check(ends, f"{where}: a texel of the nested BSDF's {name}", any_shape=True)
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
@@ -237,7 +237,7 @@ def _beside(other: "mi.Texture") -> tuple[float, float]:
     """All values of one of two widths beside the other one, whose ratio is bounded."""
     if elsewhere([other]):
         return 1 / WIDEST, 1.0
-    least, most = range_of(lambda si, active: [other.eval_1(si, active)], [other], (0.0, 1.0))
+    least, most = range_of(lambda si, active: [other.eval_1(si, active)], [other], (0.0, 1.0), True)
     return max(most / WIDEST, MIN_ALPHA), min(least * WIDEST, 1.0)
 
 
