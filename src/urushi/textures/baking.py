@@ -23,8 +23,8 @@ from urushi.textures.axes import LINEAR, Axis, Changes, nearest, simplex
 from urushi.textures.interpolation import interpolant, points
 from urushi.textures.store import TexelGrid
 
-#: Points of transport by the number of axes, of one width and of two; a point of two widths takes a
-#: hundred times as long.
+#: Points of transport by the number of axes, of one width and of two; a point of two widths takes
+#: much longer.
 POINTS = {1: (24, 64, 128, 192, 320, 448), 2: (8, 24, 48, 80, 112, 144)}
 
 #: Most axes.
@@ -43,7 +43,7 @@ LINES, STEPS = 32, 32
 #: Step of the differences by which slopes are found, in coordinates.
 DIFFERENCE = 0.04
 
-#: One of so many points has slopes of constants, which change slowly along axes.
+#: Slopes of constants change slowly along axes: they are computed at every fourth point.
 SPARSE = 4
 
 #: [1/sr] Added to g (`nets.transmittance`) in codes along axes, and subtracted again where they are
