@@ -10,11 +10,7 @@ TINY = 1e-9
 RANGES = [
     # check, accepted, refused
     (checks.alpha, [0.01, 0.5, 1], [0.01 - TINY, 0, -0.1, 1 + TINY]),
-    (
-        checks.eta,
-        [0.5, 0.7, 0.999, 1, 1.001, 1.5, 3],
-        [0.5 - TINY, 3 + TINY, 0, -1.5],
-    ),
+    (checks.eta, [0.5, 0.7, 0.999, 1, 1.001, 1.5, 3], [0.5 - TINY, 3 + TINY, 0, -1.5]),
     (checks.albedo, [0, 0.5, 1], [-TINY, 1 + TINY]),
     (checks.sigma_t, [0, 1, 1e6], [-TINY, -1]),
     (checks.g, [-1 + TINY, 0, 0.9, 1 - TINY], [-1, 1, 1.5]),
@@ -26,9 +22,7 @@ RANGES = [
 def test_ranges(check, accepted, refused):
     for value in accepted:
         result = check(value)
-        assert result.shape == ()
-        assert result.dtype == np.float64
-        assert result == value
+        assert result.shape == () and result.dtype == np.float64 and result == value
     name = "eta" if check is checks.eta else check.name
     for value in [*refused, np.nan, np.inf, -np.inf]:
         with pytest.raises(ParameterError, match=f"^{name} is .*; it must be"):
@@ -43,21 +37,17 @@ def test_indices_near_one_are_one():
 
 
 @pytest.mark.parametrize(("check", "accepted", "refused"), RANGES)
-def test_one_bad_channel_is_enough(check, accepted, refused):
+def test_shapes(check, accepted, refused):
+    """One bad channel is enough."""
     good = accepted[1]
     assert check((good, good, good)).shape == (3,)
-    with pytest.raises(ParameterError):
-        check((good, refused[0], good))
-    with pytest.raises(ParameterError):
-        check((good, np.nan, good))
-
-
-@pytest.mark.parametrize("check", [row[0] for row in RANGES])
-def test_shapes(check):
+    for bad in (refused[0], np.nan):
+        with pytest.raises(ParameterError):
+            check((good, bad, good))
     for wrong in ([], [0.5, 0.5], [[0.5, 0.5, 0.5]], np.full((4, 3), 0.5)):
         with pytest.raises(ParameterError, match="has shape .*; give a scalar or three values"):
             check(wrong)
-    assert check(np.full((4, 5), 0.5) + 0.6 * (check is checks.eta), any_shape=True).shape == (4, 5)
+    assert check(np.full((4, 5), good), any_shape=True).shape == (4, 5)
 
 
 def test_negative_zero_becomes_zero():
@@ -72,14 +62,9 @@ def test_nonsense(nonsense):
 
 
 def test_the_message_says_where():
-    with pytest.raises(ParameterError, match="^the top coat's alpha is 7; it must be a GGX width"):
+    with pytest.raises(ValueError, match="^the top coat's alpha is 7; it must be a GGX") as caught:
         checks.alpha(7, "the top coat's alpha")
-
-
-def test_parameter_errors_are_value_errors():
-    with pytest.raises(ValueError, match="alpha"):
-        checks.alpha(7)
-    assert issubclass(ParameterError, UrushiError)
+    assert isinstance(caught.value, ParameterError) and isinstance(caught.value, UrushiError)
 
 
 def test_directions():

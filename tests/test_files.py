@@ -12,55 +12,41 @@ from urushi.files import atomic_write, read_tensors, write_tensors
 
 
 def test_writes_the_whole_file(tmp_path):
-    target = tmp_path / "new.txt"
+    """With the mode of an ordinary one."""
+    target, ordinary = tmp_path / "new.txt", tmp_path / "ordinary"
+    ordinary.touch()
     with atomic_write(target) as temporary:
-        assert temporary.parent == tmp_path
-        assert temporary.suffix == ".txt"
+        assert temporary.parent == tmp_path and temporary.suffix == ".txt"
         temporary.write_text("whole")
         assert not target.exists()
     assert target.read_text() == "whole"
-    assert os.listdir(tmp_path) == ["new.txt"]
-
-
-def test_the_mode_is_that_of_an_ordinary_file(tmp_path):
-    ordinary, target = tmp_path / "ordinary", tmp_path / "atomic"
-    ordinary.touch()
-    with atomic_write(target) as temporary:
-        temporary.touch()
+    assert set(os.listdir(tmp_path)) == {"new.txt", "ordinary"}
     assert stat.S_IMODE(target.stat().st_mode) == stat.S_IMODE(ordinary.stat().st_mode)
 
 
-@pytest.mark.parametrize("failure", [RuntimeError("bug"), KeyboardInterrupt(), FileError("why")])
+FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+#: As of Mitsuba's streams.
+STREAM = RuntimeError(
+    '[FileStream] "a": I/O error while attempting to write 8192 bytes: No space left on device'
+)
+
+
+@pytest.mark.parametrize(
+    "failure", [RuntimeError("bug"), KeyboardInterrupt(), FileError("why"), FULL, STREAM]
+)
 def test_a_failure_keeps_the_old_file(tmp_path, failure):
-    target = tmp_path / "old"
+    """Where the disk is full, the sentence keeps the reason and names the file."""
+    target, full = tmp_path / "old", failure in (FULL, STREAM)
     target.write_text("old")
-    with pytest.raises(type(failure)) as caught, atomic_write(target) as temporary:
-        temporary.write_text("half of the n")
-        raise failure
-    assert caught.value is failure
-    assert target.read_text() == "old"
-    assert os.listdir(tmp_path) == ["old"]
-
-
-def test_a_full_disk_as_mitsuba_reports_it(tmp_path):
-    """Mitsuba's streams raise RuntimeError; the sentence keeps the reason and names the file."""
-    target = tmp_path / "picture.exr"
-    with pytest.raises(FileError) as caught, atomic_write(target) as temporary:
-        raise RuntimeError(
-            f'[FileStream] "{temporary}": I/O error while attempting to write 8192 bytes: No '
-            "space left on device"
-        )
-    sentence = f"cannot write '{target}': No space left on device; free some space"
-    assert str(caught.value).startswith(sentence)
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_full_disk(tmp_path):
-    target = tmp_path / "old"
-    target.write_text("old")
-    with pytest.raises(FileError, match="No space left on device; free some space"):
-        with atomic_write(target):
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    with pytest.raises(FileError if full else type(failure)) as caught:
+        with atomic_write(target) as temporary:
+            temporary.write_text("half of the n")
+            raise failure
+    if full:
+        sentence = f"cannot write '{target}': No space left on device; free some space"
+        assert str(caught.value).startswith(sentence)
+    else:
+        assert caught.value is failure
     assert target.read_text() == "old"
     assert os.listdir(tmp_path) == ["old"]
 

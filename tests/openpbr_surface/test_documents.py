@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from tests.directions import pairs_above
 from tests.mitsuba.probes import f
+from tests.openpbr_surface.materialx.conftest import HEAD, element
 from tests.openpbr_surface.probes import loaded, sampled
 
 import urushi
@@ -15,17 +16,14 @@ for package in ("MaterialX", "OpenImageIO"):
     pytest.importorskip(package, reason="the extra 'materialx' is not installed")
 pytestmark = pytest.mark.usefixtures("rgb")
 
-DOCUMENT = """<materialx version="1.39" colorspace="lin_rec709">
-<open_pbr_surface name="Gold" type="surfaceshader">
-<input name="base_metalness" type="float" value="1"/>
-<input name="base_color" type="color3" value="0.9, 0.7, 0.3"/>
-<input name="specular_roughness" type="float" value="0.5"/></open_pbr_surface>
-<open_pbr_surface name="Glass" type="surfaceshader">
-<input name="transmission_weight" type="float" value="1"/>
-<input name="transmission_dispersion_scale" type="float" value="1"/>
-</open_pbr_surface>
-<standard_surface name="Ketchup" type="surfaceshader">
-<input name="subsurface" type="float" value="1"/></standard_surface></materialx>"""
+GOLD = dict(base_metalness=1.0, base_color=(0.9, 0.7, 0.3), specular_roughness=0.5)
+GLASS = dict(transmission_weight=1.0, transmission_dispersion_scale=1.0)
+DOCUMENT = HEAD.format(
+    space="lin_rec709",
+    body=element("open_pbr_surface", "surfaceshader", "Gold", **GOLD)
+    + element("open_pbr_surface", "surfaceshader", "Glass", **GLASS)
+    + element("standard_surface", "surfaceshader", "Ketchup", subsurface=1.0),
+)
 
 
 @pytest.fixture
@@ -39,25 +37,14 @@ def values(bsdf):
     return f(bsdf, *pairs_above(100, 0, 0.1))
 
 
-def test_parameters_are_those_of_the_document(path):
-    read = mi.load_dict({"type": "materialx", "filename": path, "material": "Gold"})
-    gold = dict(base_metalness=1.0, base_color=(0.9, 0.7, 0.3), specular_roughness=0.5)
-    assert np.array_equal(values(read), values(loaded(**gold)))
-
-
-def test_properties_replace_parameters(path):
+def test_parameters_are_those_of_the_document_unless_properties_replace_them(path):
     gold = {"type": "materialx", "filename": path, "material": "Gold"}
-    rougher = mi.load_dict(gold | {"specular_roughness": 0.8})
-    assert not np.allclose(values(rougher), values(mi.load_dict(gold)), rtol=0.1)
-
-
-def test_a_scene_file_names_the_document(path):
-    bsdf = mi.load_string(
-        f"""<bsdf version="3.0.0" type="materialx">
-        <string name="filename" value="{path}"/><string name="material" value="Gold"/></bsdf>"""
-    )
-    gold = mi.load_dict({"type": "materialx", "filename": path, "material": "Gold"})
-    assert np.array_equal(values(bsdf), values(gold))
+    found = values(mi.load_dict(gold))
+    assert np.array_equal(found, values(loaded(**GOLD)))
+    assert not np.allclose(values(mi.load_dict(gold | {"specular_roughness": 0.8})), found, 0.1)
+    scene = f"""<bsdf version="3.0.0" type="materialx"><string name="filename" value="{path}"/>
+        <string name="material" value="Gold"/></bsdf>"""
+    assert np.array_equal(found, values(mi.load_string(scene)))
 
 
 @pytest.mark.parametrize("weight", ['value="0.3"', 'nodename="u"', 'value="1"'])
@@ -138,47 +125,34 @@ def test_glass_of_blender():
 
 
 @pytest.mark.parametrize(
-    ("tag", "text", "transmitted", "spread"),
+    ("tag", "inputs", "transmitted", "spread"),
     [
         (
             "gltf_pbr",
-            """<input name="transmission" type="float" value="1"/>
-            <input name="metallic" type="float" value="0"/>
-            <input name="roughness" type="float" value="0"/>
-            <input name="thickness" type="float" value="1"/>
-            <input name="base_color" type="color3" value="0.5, 0.8, 0.9"/>""",
+            dict(transmission=1.0, metallic=0.0, roughness=0.0, thickness=1.0)
+            | dict(base_color=(0.5, 0.8, 0.9)),
             (0.48, 0.768, 0.864),
             (0, 0.1),
         ),
-        (
-            "UsdPreviewSurface",
-            """<input name="opacity" type="float" value="0.25"/>
-            <input name="roughness" type="float" value="0.6"/>""",
-            (0.72,) * 3,
-            (0, 0.1),
-        ),
+        ("UsdPreviewSurface", dict(opacity=0.25, roughness=0.6), (0.72,) * 3, (0, 0.1)),
         (
             "standard_surface",
-            """<input name="thin_walled" type="boolean" value="true"/>
-            <input name="subsurface" type="float" value="1"/>
-            <input name="subsurface_color" type="color3" value="0.3, 0.6, 0.1"/>
-            <input name="specular" type="float" value="0"/>""",
+            dict(thin_walled=True, subsurface=1.0, subsurface_color=(0.3, 0.6, 0.1), specular=0.0),
             (0.3, 0.6, 0.1),
             (0.7071, 0.02),
         ),
     ],
 )
 @pytest.mark.filterwarnings("ignore:.*has one roughness of light")
-def test_light_that_crosses_a_surface(tmp_path, tag, text, transmitted, spread):
+def test_light_that_crosses_a_surface(path, tag, inputs, transmitted, spread):
     """At the normal, by the shaders' graphs in MaterialX: 1 - F = .96 times tint and share.
 
     spread: root mean square of the sine, and its tolerance. It is 0 but for the tails of width .01
     if the light is transmitted sharply, and 1 / sqrt(2) of a Lambertian lobe. The tolerances of the
     shares and of this lobe are three standard errors of 4,096 samples.
     """
-    path = tmp_path / "m.mtlx"
-    body = f'<{tag} name="m" type="surfaceshader">{text}</{tag}>'
-    path.write_text(f'<materialx version="1.39" colorspace="lin_rec709">{body}</materialx>')
-    share, sine = crossing(mi.load_dict({"type": "materialx", "filename": str(path)}))
+    body = element(tag, "surfaceshader", **inputs)
+    Path(path).write_text(HEAD.format(space="lin_rec709", body=body))
+    share, sine = crossing(mi.load_dict({"type": "materialx", "filename": path}))
     assert share == pytest.approx(transmitted, abs=0.02)
     assert sine == pytest.approx(spread[0], abs=spread[1])

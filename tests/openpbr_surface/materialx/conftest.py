@@ -15,7 +15,7 @@ def element(tag, kind, name="n", **inputs):
     """The text of a node.
 
     inputs: numbers, truth values, colours as tuples, or pairs of a type and a text; a text that
-    begins with @ names a node, of type float unless another is given.
+    begins with @ names a node, of type float unless another is given; one with = is attributes.
     """
     inside = ""
     for key, x in inputs.items():
@@ -24,7 +24,8 @@ def element(tag, kind, name="n", **inputs):
         kinds = {bool: "boolean", int: "integer", float: "float", str: "float"}
         of, value = x if isinstance(x, tuple) else (kinds[type(x)], str(x).lower())
         link = "nodename" if value.startswith("@") else "value"
-        inside += f'<input name="{key.rstrip("_")}" type="{of}" {link}="{value.lstrip("@")}"/>'
+        link = value if "=" in value else f'{link}="{value.lstrip("@")}"'
+        inside += f'<input name="{key.rstrip("_")}" type="{of}" {link}/>'
     return f'<{tag} name="{name}" type="{kind}">{inside}</{tag}>'
 
 

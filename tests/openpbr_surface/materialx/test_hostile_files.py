@@ -7,7 +7,7 @@ import zlib
 import numpy as np
 import pytest
 from tests.fuzzing import fuzz
-from tests.openpbr_surface.materialx.conftest import write_image
+from tests.openpbr_surface.materialx.conftest import HEAD, element, write_image
 
 from urushi.errors import FileError, ParameterError
 from urushi.openpbr_surface.materialx import images
@@ -69,14 +69,13 @@ def circle_of_graphs():
 
 def wide_tree():
     """Distinct nodes, four inputs each: more than 5,000."""
-    tree = ""
-    for i in range(1365):
-        links = "".join(
-            f'<input name="in{k}" type="float" nodename="n{4 * i + k}"/>' for k in range(1, 5)
-        )
-        tree += f'<switch name="n{i or ""}" type="float">{links}</switch>'
-    leaves = "".join(f'<constant name="n{i}" type="float"/>' for i in range(1365, 5461))
-    return tree + leaves + COLOUR
+
+    def node(i):
+        links = {f"in{k}": f"@n{4 * i + k}" for k in range(1, 5)}
+        return element("switch", "float", f"n{i or ''}", **links)
+
+    leaves = (element("constant", "float", f"n{i}") for i in range(1365, 5461))
+    return "".join([*map(node, range(1365)), *leaves]) + COLOUR
 
 
 def doubling_definitions():
@@ -251,40 +250,34 @@ def test_a_picture_is_measured_before_it_is_decoded(tmp_path, document, monkeypa
     refused(document(IMAGE.format("bomb.png") + COLOUR), "cannot be read")
 
 
-#: Documents of which mutants are read.
+TWO_INPUTS = {"in1": ("color3", 'interfacename="in"'), "in2": ("color3", "@v")}
+#: Documents of which mutants are read, line by line.
 SEEDS = [
-    """<materialx version="1.39" colorspace="acescg">
-<open_pbr_surface name="s" type="surfaceshader">
-<input name="base_color" type="color3" value="0.5, 0.2, 0.1"/>
-<input name="coat_weight" type="float" value="1"/></open_pbr_surface>
-<surfacematerial name="m" type="material">
-<input name="surfaceshader" type="surfaceshader" nodename="s"/></surfacematerial></materialx>""",
-    """<materialx version="1.39"><nodegraph name="g"><input name="a" type="float" value="3"/>
-<texcoord name="uv" type="vector2"/><place2d name="p" type="vector2">
-<input name="texcoord" type="vector2" nodename="uv"/></place2d>
-<image name="i" type="color3"><input name="file" type="filename" value="a.exr"/>
-<input name="texcoord" type="vector2" nodename="p"/></image>
-<fractal2d name="f" type="float">
-<input name="amplitude" type="float" interfacename="a"/></fractal2d>
-<mix name="x" type="color3"><input name="fg" type="color3" nodename="i"/>
-<input name="mix" type="float" nodename="f"/></mix>
-<separate3 name="c" type="multioutput"><input name="in" type="color3" nodename="x"/></separate3>
-<checkerboard name="k" type="color3"/><output name="o" type="color3" nodename="x"/>
-<output name="r" type="float" nodename="c" output="outr"/>
-<output name="b" type="color3" nodename="k"/></nodegraph>
-<open_pbr_surface name="s" type="surfaceshader">
-<input name="base_color" type="color3" nodegraph="g" output="o"/>
-<input name="coat_color" type="color3" nodegraph="g" output="b"/></open_pbr_surface></materialx>""",
-    """<materialx version="1.38"><nodedef name="D" node="d"><input name="in" type="color3"/>
-<output name="out" type="color3"/></nodedef><nodegraph name="N" nodedef="D">
-<worleynoise2d name="w" type="vector3"/><convert name="v" type="color3">
-<input name="in" type="vector3" nodename="w"/></convert>
-<add name="z" type="color3"><input name="in1" type="color3" interfacename="in"/>
-<input name="in2" type="color3" nodename="v"/></add>
-<output name="out" type="color3" nodename="z"/></nodegraph><d name="n" type="color3"/>
-<standard_surface name="s" type="surfaceshader">
-<input name="base_color" type="color3" nodename="n"/>
-<input name="coat" type="float" value="1"/></standard_surface></materialx>""",
+    element("open_pbr_surface", "surfaceshader", "s", base_color=(0.5, 0.2, 0.1), coat_weight=1.0)
+    + MATERIAL.format("nodename", "s"),
+    '<nodegraph name="g"><input name="a" type="float" value="3"/>'
+    + element("texcoord", "vector2", "uv")
+    + element("place2d", "vector2", "p", texcoord=("vector2", "@uv"))
+    + element("image", "color3", "i", file=("filename", "a.exr"), texcoord=("vector2", "@p"))
+    + element("fractal2d", "float", "f", amplitude=("float", 'interfacename="a"'))
+    + element("mix", "color3", "x", fg=("color3", "@i"), mix="@f")
+    + element("separate3", "multioutput", "c", in_=("color3", "@x"))
+    + element("checkerboard", "color3", "k")
+    + """<output name="o" type="color3" nodename="x"/>
+    <output name="r" type="float" nodename="c" output="outr"/>
+    <output name="b" type="color3" nodename="k"/></nodegraph>"""
+    + element(
+        *("open_pbr_surface", "surfaceshader", "s"),
+        base_color=("color3", 'nodegraph="g" output="o"'),
+        coat_color=("color3", 'nodegraph="g" output="b"'),
+    ),
+    """<nodedef name="D" node="d"><input name="in" type="color3"/>
+    <output name="out" type="color3"/></nodedef><nodegraph name="N" nodedef="D">"""
+    + element("worleynoise2d", "vector3", "w")
+    + element("convert", "color3", "v", in_=("vector3", "@w"))
+    + element("add", "color3", "z", **TWO_INPUTS)
+    + '<output name="out" type="color3" nodename="z"/></nodegraph><d name="n" type="color3"/>'
+    + element("standard_surface", "surfaceshader", "s", base_color=("color3", "@n"), coat=1.0),
 ]
 
 #: Words that replace others.
@@ -297,7 +290,8 @@ WORDS = """0 -1 1e30 1e-320 nan 4294967296 true float color3 vector2 color4 inte
 def test_mutants_are_refused_in_one_sentence(tmp_path):
     write_image(tmp_path / "a.exr", np.full((4, 4, 3), 0.5))
     library()  # not a part of any document's memory
-    seeds, words = [text.encode() for text in SEEDS], [*WORDS.split(), "", "0, 0, 0", "1, 2"]
+    documents = [HEAD.format(space="acescg", body=x).replace("><", ">\n<") for x in SEEDS]
+    seeds, words = [x.encode() for x in documents], [*WORDS.split(), "", "0, 0, 0", "1, 2"]
 
     def read(path):
         return read_surface(path, resolution=8)

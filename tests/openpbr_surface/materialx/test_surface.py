@@ -1,6 +1,7 @@
 """Materials of documents: names, scopes, colour spaces, mixtures and what is left out."""
 
 import pytest
+from tests.openpbr_surface.materialx.conftest import element
 
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.openpbr_surface.materialx.surface import read_surface
@@ -8,27 +9,19 @@ from urushi.openpbr_surface.materialx.surface import read_surface
 SHADER = """<open_pbr_surface name="s" type="surfaceshader">
     <input name="base_color" type="color3" {}/></open_pbr_surface>"""
 OUTPUT = '<output name="out" type="surfaceshader" nodename="s"/>'
-TWO = """<open_pbr_surface name="a" type="surfaceshader">
-    <input name="base_metalness" type="float" value="0.25"/>
-    <input name="base_color" type="color3" value="0.5, 0.25, 0.125"/>
-    <input name="geometry_thin_walled" type="boolean" value="false"/>
-  </open_pbr_surface>
-  <open_pbr_surface name="b" type="surfaceshader"/>
-  <surfacematerial name="A" type="material">
-    <input name="surfaceshader" type="surfaceshader" nodename="a"/></surfacematerial>
-  <surfacematerial name="B" type="material">
-    <input name="surfaceshader" type="surfaceshader" nodename="b"/></surfacematerial>"""
+MATERIAL = """<surfacematerial name="{}" type="material">
+    <input name="surfaceshader" type="surfaceshader" {}="{}"/></surfacematerial>"""
+A = dict(base_metalness=0.25, base_color=(0.5, 0.25, 0.125), geometry_thin_walled=False)
+TWO = element("open_pbr_surface", "surfaceshader", "a", **A)
+TWO += element("open_pbr_surface", "surfaceshader", "b")
+TWO += MATERIAL.format("A", "nodename", "a") + MATERIAL.format("B", "nodename", "b")
 
 
 def test_a_material_is_found_by_its_name(document):
     path = document(TWO)
     surface = read_surface(path, "A")
     assert surface.name == "A"
-    assert surface.values == {
-        "base_metalness": 0.25,
-        "base_color": (0.5, 0.25, 0.125),
-        "geometry_thin_walled": False,
-    }
+    assert surface.values == A
     assert read_surface(path, "B").values == {}
     with pytest.raises(ParameterError, match="has several materials; choose one of A, B"):
         read_surface(path)
@@ -37,18 +30,11 @@ def test_a_material_is_found_by_its_name(document):
 
 
 def test_a_shader_may_be_in_a_graph_and_in_an_included_file(document):
-    document(
-        """<nodegraph name="g"><open_pbr_surface name="s" type="surfaceshader">
-        <input name="base_color" type="color3" value="1, 1, 1"/>
-        <input name="coat_weight" type="float" value="0.5"/></open_pbr_surface>
-        <output name="o" type="surfaceshader" nodename="s"/></nodegraph>""",
-        space="acescg",
-        name="part.mtlx",
-    )
-    path = document(
-        """<xi:include href="part.mtlx"/><surfacematerial name="M" type="material">
-        <input name="surfaceshader" type="surfaceshader" nodegraph="g"/></surfacematerial>"""
-    )
+    white = dict(base_color=(1.0, 1.0, 1.0), coat_weight=0.5)
+    shader = element("open_pbr_surface", "surfaceshader", "s", **white)
+    graph = f'<nodegraph name="g">{shader}{OUTPUT}</nodegraph>'
+    document(graph, space="acescg", name="part.mtlx")
+    path = document('<xi:include href="part.mtlx"/>' + MATERIAL.format("M", "nodegraph", "g"))
     values = read_surface(path).values
     assert values["coat_weight"] == 0.5
     assert values["base_color"] == pytest.approx((1, 1, 1))
@@ -83,9 +69,7 @@ def test_a_colour_outside_of_srgb_is_limited_with_a_warning(document):
 PAINT = (
     '<constant name="paint" type="color3"><input name="value" type="color3" value="{}"/></constant>'
 )
-MATERIAL = """<surfacematerial name="m" type="material">
-    <input name="surfaceshader" type="surfaceshader" {}="{}"/></surfacematerial>"""
-OF_GRAPH, OF_NODE = MATERIAL.format("nodegraph", "g"), MATERIAL.format("nodename", "s")
+OF_GRAPH, OF_NODE = MATERIAL.format("m", "nodegraph", "g"), MATERIAL.format("m", "nodename", "s")
 RED = PAINT.format("1, 0, 0")
 GREEN = PAINT.format("0, 1, 0")
 INSIDE = SHADER.format('nodename="paint"') + OUTPUT
