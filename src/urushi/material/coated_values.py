@@ -230,7 +230,9 @@ def _basis(s: np.ndarray) -> tuple[list[int], np.ndarray]:
     """Columns (E,) of values (P, D), and weights (E, D), see `_spanning`."""
     relative = s / np.maximum(s.mean(axis=1, keepdims=True), 1e-30)  # some pairs see nothing
     sizes = np.linalg.norm(relative, axis=0)
-    relative /= sizes
+    if not sizes.any():  # all are black
+        return [0], np.ones((1, s.shape[1]))
+    relative /= np.where(sizes > 0, sizes, 1)
     left, chosen, shares = relative.copy(), list[int](), list[np.ndarray]()
     while len(chosen) < s.shape[1]:
         away = np.linalg.norm(left, axis=0)
