@@ -77,6 +77,16 @@ def test_dark_texels_of_a_width_are_the_least_width(rgb, networks, name):
         load(rgb, name, networks, alpha=bitmap(dark[..., None] + 1))
 
 
+def test_dark_texels_of_a_nested_metal_are_the_least_width(rgb):
+    """As the constant below it, which Mitsuba accepts."""
+    black, least = (
+        mean_and_error(rgb, rgb.load_dict({"type": "neural_layered", "base": metal}), (0.25, 0.5))
+        for width in (0.001, 0.01)
+        for metal in ({"type": "roughconductor", "distribution": "ggx", "alpha": strip(width, 0.3)},)
+    )
+    np.testing.assert_array_equal(black[0], least[0])
+
+
 def test_a_black_map_of_one_value_beside_another_texture_is_the_least_width(rgb, networks):
     """It counts as a number, which is 0."""
     other = {"albedo": strip(0.2, 0.7)}

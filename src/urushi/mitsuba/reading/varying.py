@@ -120,13 +120,16 @@ def _of_coat(coat: CoatTextures) -> list[Varying]:
             return coat.at(si, active)[name]
 
         whole = _whole(coat, name, scale)
-        ends = range_of(read, own, whole, own == [coat.textures.get(name)])
-        if scale == WIDTH:
-            ends = max(ends[0], MIN_ALPHA), max(ends[1], MIN_ALPHA)
+        ends = _resolved(scale, range_of(read, own, whole, own == [coat.textures.get(name)]))
         coloured = name in ("albedo", "sigma_t", "g", *coat.coloured) and any(map(_coloured, own))
         axis = Axis(name, scale, *ends, coloured)
         found += _varying(axis, whole if gradient else None, read, own)
     return found
+
+
+def _resolved(scale: str, ends: tuple[float, float]) -> tuple[float, float]:
+    """The ends of an axis; smaller widths than the least are that one."""
+    return (max(ends[0], MIN_ALPHA), max(ends[1], MIN_ALPHA)) if scale == WIDTH else ends
 
 
 def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
@@ -157,6 +160,7 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
         ends = range_of(read, [texture], whole, True)
         check = finite_number if scale == LINEAR else nonnegative
         check(ends, f"{where}: a texel of the nested BSDF's {name}", any_shape=True)
+        ends = _resolved(scale, ends)
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
         found += _varying(axis, whole if gradient else None, read, [texture], texture)
     return found
