@@ -8,27 +8,12 @@ from urushi.core.directions import directions_at
 from urushi.measured import Merl, Rgl, load_measured, tabulated
 from urushi.measured.tabulated import fill_nearest
 
-ALPHA = 0.3
-COLOUR = np.array([0.9, 0.5, 0.2])
-
-
-def lambert_and_ggx(wi, wo):
-    """A diffuse base under a GGX lobe with Schlick's Fresnel term, independent of Urushi's own."""
-    h = wi + wo
-    h /= np.linalg.norm(h, axis=1, keepdims=True)
-    i, o, n, d = wi[:, 2], wo[:, 2], h[:, 2], (wi * h).sum(1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        density = ALPHA**2 / (np.pi * (n**2 * (ALPHA**2 - 1) + 1) ** 2)
-        shadow = [2 / (1 + np.sqrt(1 + ALPHA**2 * (1 / c**2 - 1))) for c in (i, o)]
-        lobe = density * shadow[0] * shadow[1] / (4 * i * o) * (0.04 + 0.96 * (1 - d) ** 5)
-    return COLOUR / np.pi + lobe[:, None]
-
 
 @pytest.fixture(scope="module")
 def analytic(tmp_path_factory):
     """The analytic BRDF read from a file, which has -1 where a direction is beyond 85 degrees."""
     wi, wo = writers.merl_directions()
-    rgb = lambert_and_ggx(wi, wo)
+    rgb = writers.plastic(wi, wo)
     missing = np.minimum(wi[:, 2], wo[:, 2]) < np.cos(np.radians(85))
     rgb[missing] = -1
     path = tmp_path_factory.mktemp("merl") / "any_name.txt"
@@ -37,19 +22,17 @@ def analytic(tmp_path_factory):
     return brdf
 
 
-def test_the_value_at_a_bin_centre_is_the_bins_value(analytic):
+def test_values_are_those_of_the_analytic_brdf(analytic, random_directions):
+    """At the centres of bins, and between them."""
     wi, wo = writers.merl_directions()
     valid = np.minimum(wi[:, 2], wo[:, 2]) > np.cos(np.radians(84))
     rows = np.random.default_rng(0).choice(np.flatnonzero(valid), 20000, replace=False)
     # Directions are float32, so that the smallest half angles (5e-5) are known to 1e-3 of a bin.
     np.testing.assert_allclose(
-        analytic.f(wi[rows], wo[rows]), lambert_and_ggx(wi[rows], wo[rows]), rtol=1e-4
+        analytic.f(wi[rows], wo[rows]), writers.plastic(wi[rows], wo[rows]), rtol=1e-4
     )
-
-
-def test_values_between_centres_agree_with_the_analytic_brdf(analytic, random_directions):
     wi, wo = random_directions(20000, 1, 0.2), random_directions(20000, 2, 0.2)
-    expected = lambert_and_ggx(wi.astype(float), wo.astype(float))
+    expected = writers.plastic(wi.astype(float), wo.astype(float))
     # Linear interpolation is off by (step / width)^2 / 8 times a number of order 1: steps of up to
     # 2 degrees, a lobe 17 degrees wide: 0.2 %, and more where Schlick's fifth power rises.
     error = np.abs(analytic.f(wi, wo) / expected - 1)
@@ -57,7 +40,8 @@ def test_values_between_centres_agree_with_the_analytic_brdf(analytic, random_di
     assert error.max() < 0.02
 
 
-def test_f_is_exactly_reciprocal_and_isotropic(analytic, random_directions):
+def test_f_is_exactly_reciprocal_and_isotropic(analytic, random_directions, monkeypatch):
+    """And does not depend on the chunks in which it is computed."""
     wi, wo = random_directions(5000, 3), random_directions(5000, 4)
     wi[0], wo[0] = (0, 0, 1), (0, 0, 1)
     f = analytic.f(wi, wo)
@@ -65,6 +49,8 @@ def test_f_is_exactly_reciprocal_and_isotropic(analytic, random_directions):
     turn = np.array([[0.6, 0.8, 0], [-0.8, 0.6, 0], [0, 0, 1]])
     # Rounding of the turned float32 directions, where f is steepest.
     np.testing.assert_allclose(analytic.f(wi @ turn, wo @ turn), f, rtol=1e-3)
+    monkeypatch.setattr(tabulated, "CHUNK", 100)
+    np.testing.assert_array_equal(analytic.f(wi, wo), f)
 
 
 def test_below_the_horizon_f_is_zero(analytic):
@@ -80,14 +66,14 @@ def test_below_the_horizon_f_is_zero(analytic):
 def test_no_invalid_bin_leaks_into_a_constant_brdf(tmp_path, random_directions):
     wi, wo = writers.merl_directions()
     rng = np.random.default_rng(5)
-    rgb = np.tile(COLOUR, (len(wi), 1))
+    rgb = np.tile(writers.COLOUR, (len(wi), 1))
     rgb[np.minimum(wi[:, 2], wo[:, 2]) < 0.17] = -1  # beyond 80 degrees, and below the horizon
     rgb[rng.random(len(rgb)) < 0.3, 1] = -1  # one negative channel is enough
     rgb[(wi[:, 2] <= 0) | (wo[:, 2] <= 0)] = 1e6  # not marked as invalid, but never used
     brdf = load_measured(writers.write_merl(tmp_path / "constant", rgb))
     f = brdf.f(random_directions(50000, 6), random_directions(50000, 7))
     # Directions reach down to the horizon; values are rounded to float32.
-    np.testing.assert_allclose(f, np.broadcast_to(COLOUR, f.shape), rtol=1e-6)
+    np.testing.assert_allclose(f, np.broadcast_to(writers.COLOUR, f.shape), rtol=1e-6)
 
 
 def test_phi_d_closes_after_half_a_turn():
@@ -100,6 +86,11 @@ def test_phi_d_closes_after_half_a_turn():
 
 
 def test_the_fill_takes_the_nearest_valid_bin_of_row_or_column():
+    """And the nearest slice, whose one valid bin fills everything."""
+    alone, one = np.full((4, 5, 6, 3), -1.0), np.zeros((4, 5, 6), bool)
+    alone[2, 3, 1], one[2, 3, 1] = 0.25, True
+    fill_nearest(alone, one)
+    assert (alone == 0.25).all()
     rng = np.random.default_rng(8)
     values = rng.random((6, 9, 10, 1))
     valid = rng.random((6, 9, 10)) < 0.4
@@ -114,18 +105,3 @@ def test_the_fill_takes_the_nearest_valid_bin_of_row_or_column():
                 distances.append((min(abs(b - k), 10 - abs(b - k)), values[i, j, b, 0]))
         nearest = min(distance for distance, _ in distances)
         assert filled[i, j, k, 0] in [value for d, value in distances if d == nearest]
-
-
-def test_a_single_valid_bin_fills_everything():
-    values = np.full((4, 5, 6, 3), -1.0)
-    valid = np.zeros((4, 5, 6), bool)
-    values[2, 3, 1], valid[2, 3, 1] = 0.25, True
-    fill_nearest(values, valid)
-    assert (values == 0.25).all()
-
-
-def test_chunks_do_not_change_the_result(analytic, random_directions, monkeypatch):
-    wi, wo = random_directions(1000, 10), random_directions(1000, 11)
-    whole = analytic.f(wi, wo)
-    monkeypatch.setattr(tabulated, "CHUNK", 100)
-    np.testing.assert_array_equal(analytic.f(wi, wo), whole)

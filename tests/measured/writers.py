@@ -1,13 +1,17 @@
-"""Writers of measured files for the tests, independent of the readers; headers can be forged."""
+"""Measured files for the tests, by writers independent of the readers; headers can be forged."""
 
 import struct
 
 import numpy as np
+import pytest
 
 from urushi.core.directions import directions_at
 
 TYPES = {"u1": 1, "i1": 2, "u2": 3, "i2": 4, "u4": 5, "i4": 6, "u8": 7, "i8": 8, "f2": 9}
 TYPES |= {"f4": 10, "f8": 11}
+
+#: Diffuse reflectance of `plastic`.
+COLOUR = np.array([0.9, 0.5, 0.2])
 
 MERL_SCALE = np.array([1.0, 1.15, 1.66]) / 1500.0
 
@@ -19,6 +23,18 @@ def merl_directions():
     phi_d = (np.arange(180) + 0.5) * np.pi / 180
     angles = (a.ravel() for a in np.meshgrid(theta_h, theta_d, phi_d, indexing="ij"))
     return directions_at(*angles)
+
+
+def plastic(wi, wo, alpha=0.3):
+    """A diffuse base under a GGX lobe with Schlick's Fresnel term, independent of Urushi's own."""
+    h = wi + wo
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
+    i, o, n, d = wi[:, 2], wo[:, 2], h[:, 2], (wi * h).sum(1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        density = alpha**2 / (np.pi * (n**2 * (alpha**2 - 1) + 1) ** 2)
+        shadow = [2 / (1 + np.sqrt(1 + alpha**2 * (1 / c**2 - 1))) for c in (i, o)]
+        lobe = density * shadow[0] * shadow[1] / (4 * i * o) * (0.04 + 0.96 * (1 - d) ** 5)
+    return COLOUR / np.pi + lobe[:, None]
 
 
 def write_merl(path, rgb):
@@ -54,6 +70,14 @@ def tensor_file(fields, *, forge=None):
         header += struct.pack(f"<{len(shape)}Q", *shape)
         data += array.tobytes()
     return header + data
+
+
+def rgl_path(test_data, name):
+    """A measured RGB material of the database; without it, the test is skipped."""
+    path = test_data / "data" / "rgl" / f"{name}_rgb.bsdf"
+    if not path.is_file():
+        pytest.skip(f"'{path}' is missing")
+    return path
 
 
 def rgl_tensors(phi_i, theta_i, ndf, sigma, vndf, colour, wavelengths):
