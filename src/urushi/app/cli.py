@@ -4,10 +4,12 @@ import functools
 import operator
 import os
 import sys
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any
 
 import tyro
+from tqdm import tqdm
 
 import urushi
 from urushi import ranges
@@ -21,7 +23,7 @@ from urushi.app.render import Render, Scene
 from urushi.app.simulate import Simulate
 from urushi.app.train import Data, Train
 from urushi.app.view import View
-from urushi.errors import UrushiError
+from urushi.errors import UrushiError, UrushiWarning
 
 FAILURE = 2
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
@@ -86,8 +88,8 @@ def main(
     """Run the command of `args` (default: the process's arguments); returns the exit code.
 
     0: success; 1: `doctor` found a problem that keeps Urushi from working; 2: a user's error,
-    printed as one sentence to standard error; 130: interrupted; 141: the reader of standard output
-    has closed it, as `head` does.
+    printed as one sentence to standard error, as warnings are; 130: interrupted; 141: the reader of
+    standard output has closed it, as `head` does.
     """
     arguments = list(sys.argv[1:] if args is None else args)
     if arguments == ["--version"]:
@@ -96,7 +98,10 @@ def main(
     try:
         command = parse(arguments, commands, prog, description)
         ranges.check(command)
-        code = command.run()
+        with warnings.catch_warnings():
+            warnings.simplefilter("default", UrushiWarning)
+            warnings.showwarning = functools.partial(_show, warnings.showwarning)
+            code = command.run()
         sys.stdout.flush()
         return code
     except UrushiError as error:
@@ -112,6 +117,17 @@ def main(
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the rest of it
             return OUTPUT_CLOSED
         raise
+
+
+def _show(others: Callable[..., None], message: Any, category: type, *place: Any) -> None:
+    """Print a warning of Urushi as one sentence, above a progress bar, and others as Python does.
+
+    others: shows these, with the place in a file that `warnings.showwarning` takes.
+    """
+    if issubclass(category, UrushiWarning):
+        tqdm.write(f"urushi: {message}", file=sys.stderr)
+    else:
+        others(message, category, *place)
 
 
 if __name__ == "__main__":
