@@ -47,6 +47,8 @@ def test_other_weights_are_refused_by_name(material, model, other_model, tmp_pat
         {"latents": np.ones((3, 14), np.float32), "coat": np.ones((5, 1))},
         {"latents": np.ones((3, 14), np.float32), "table": np.zeros((*SHAPE, 1), np.float16)},
         {"latents": np.ones((3, 14), np.float32), "table": np.full((*SHAPE, 3), np.nan)},
+        {"latents": np.ones((3, 14), np.float32), "table": np.full((*SHAPE, 3), 6e4, np.float16)},
+        {"latents": np.ones((3, 14), np.float32), "table": np.full((*SHAPE, 3), -26, np.float16)},
     ],
 )
 def test_damaged_files_are_refused(arrays, model, tmp_path):

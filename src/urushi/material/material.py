@@ -13,7 +13,7 @@ from urushi.core.directions import rotated
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import NUMPY, components, stacked_components
 from urushi.core.quadrature import directional_albedos
-from urushi.core.table import MIN_LOG, SHAPE, interpolated
+from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, interpolated
 from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
 from urushi.export.rest import own_texture
@@ -359,6 +359,11 @@ def _checked(values: npt.ArrayLike, dtype: Any, shape: tuple[int, ...]) -> np.nd
         raise ParameterError(f"a material's {what} have the shape {array.shape}; give {shape}")
     if not np.isfinite(array).all():
         raise ParameterError(f"a material's {what} hold a number that is not finite")
+    if dtype == np.float16 and not (array.min() >= MIN_LOG and array.max() <= MAX_LOG):
+        raise ParameterError(
+            f"a material's tables hold {array.min():g} to {array.max():g}; they are logarithms "
+            f"from {MIN_LOG:g} to {MAX_LOG:g}"
+        )
     array.flags.writeable = False
     return array
 
