@@ -79,11 +79,12 @@ def test_dark_texels_of_a_width_are_the_least_width(rgb, networks, name):
 
 def test_dark_texels_of_a_nested_metal_are_the_least_width(rgb):
     """As the constant below it, which Mitsuba accepts."""
-    black, least = (
-        mean_and_error(rgb, rgb.load_dict({"type": "neural_layered", "base": metal}), (0.25, 0.5))
-        for width in (0.001, 0.01)
-        for metal in ({"type": "roughconductor", "distribution": "ggx", "alpha": strip(width, 0.3)},)
-    )
+
+    def coat(width):
+        metal = {"type": "roughconductor", "distribution": "ggx", "alpha": strip(width, 0.3)}
+        return rgb.load_dict({"type": "neural_layered", "base": metal})
+
+    black, least = (mean_and_error(rgb, coat(width), (0.25, 0.5)) for width in (0.001, 0.01))
     np.testing.assert_array_equal(black[0], least[0])
 
 
