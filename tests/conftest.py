@@ -226,6 +226,14 @@ def rgb():
     return mi
 
 
+@pytest.fixture(scope="session")
+def jit():
+    """A module of Dr.Jit array types, `drjit.llvm` or `drjit.cuda`."""
+    from urushi.walk.monte_carlo import backend
+
+    return backend()
+
+
 @pytest.fixture
 def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Coats with textures by few points of transport, for what does not depend on their number."""

@@ -1,6 +1,9 @@
-"""Unit vectors above the horizon, float32 (N, 3)."""
+"""Unit vectors, most of them above the horizon, float32 (N, 3)."""
 
 import numpy as np
+
+#: Mirrors directions at the surface.
+DOWN = np.array([1, 1, -1], np.float32)
 
 
 def above(count: int, seed, least_cosine: float = 0.0) -> np.ndarray:
@@ -15,6 +18,13 @@ def above(count: int, seed, least_cosine: float = 0.0) -> np.ndarray:
 def pairs_above(count: int, seed, least_cosine: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Two such arrays."""
     return tuple(above(2 * count, seed, least_cosine).reshape(2, count, 3))
+
+
+def at_cosines(cosines, azimuth=0.0) -> np.ndarray:
+    """With cosines of the angle to the normal, at azimuths [radians]."""
+    z, phi = np.broadcast_arrays(np.asarray(cosines, float), azimuth)
+    r = np.sqrt(1 - z * z)
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1).astype(np.float32)
 
 
 def in_plane(degrees) -> np.ndarray:

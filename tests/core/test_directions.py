@@ -1,7 +1,5 @@
 """Directions: reflection, refraction, bases, turns about the normal, half and difference angles."""
 
-from types import ModuleType
-
 import numpy as np
 import pytest
 
@@ -37,7 +35,7 @@ def facing(w: np.ndarray, m: np.ndarray) -> np.ndarray:
     return m * np.sign(np.sum(w * m, axis=0))
 
 
-def test_reflection_is_an_involution_about_the_normal(jit: ModuleType) -> None:
+def test_reflection_is_an_involution_about_the_normal(jit) -> None:
     w, m = sphere(1000, 0), sphere(1000, 1)
     mirrored = directions.reflect(jit.Array3f(w), jit.Array3f(m))
     both = mirrored.numpy() + w
@@ -46,7 +44,7 @@ def test_reflection_is_an_involution_about_the_normal(jit: ModuleType) -> None:
     np.testing.assert_allclose(again.numpy(), w, atol=1e-6)
 
 
-def test_refraction_obeys_snell(jit: ModuleType) -> None:
+def test_refraction_obeys_snell(jit) -> None:
     w, m = sphere(1000, 2), sphere(1000, 3)
     m = facing(w, m)
     for eta in (1.5, 1 / 1.5, 3.0, 1.001):
@@ -62,7 +60,7 @@ def test_refraction_obeys_snell(jit: ModuleType) -> None:
         np.testing.assert_allclose(np.linalg.norm(t, axis=0)[passes], 1, atol=2e-6)
 
 
-def test_coordinate_systems_are_right_handed_and_orthonormal(jit: ModuleType) -> None:
+def test_coordinate_systems_are_right_handed_and_orthonormal(jit) -> None:
     n = np.concatenate([sphere(1000, 6), [[0, 0], [0, 0], [1, -1]]], axis=1).astype(np.float32)
     s, t = (v.numpy().T for v in directions.coordinate_system(jit.Array3f(n)))
     basis = np.stack([s, t, n.T], axis=1)
@@ -70,7 +68,7 @@ def test_coordinate_systems_are_right_handed_and_orthonormal(jit: ModuleType) ->
     np.testing.assert_allclose(np.linalg.det(basis), 1, atol=2e-6)
 
 
-def test_from_cosine_keeps_the_angle_to_the_axis(jit: ModuleType) -> None:
+def test_from_cosine_keeps_the_angle_to_the_axis(jit) -> None:
     axis, cos = sphere(1000, 7), np.linspace(-1, 1, 1000, dtype=np.float32)
     phi = jit.Float(np.linspace(0, 40, 1000, dtype=np.float32))
     w = directions.from_cosine(jit.Array3f(axis), jit.Float(cos), phi).numpy()

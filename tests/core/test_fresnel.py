@@ -1,7 +1,5 @@
 """Fresnel terms: limits, symmetry and agreement of the formulae."""
 
-from types import ModuleType
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ COSINES = np.linspace(0.01, 1, 500, dtype=np.float32)
 
 
 @pytest.mark.parametrize("eta", [0.5, 0.67, 0.99, 1.0, 1.01, 1.5, 3.0])
-def test_a_conductor_that_absorbs_nothing_is_a_dielectric(jit: ModuleType, eta: float) -> None:
+def test_a_conductor_that_absorbs_nothing_is_a_dielectric(jit, eta: float) -> None:
     """With total reflection below an index of one."""
     cos = jit.Float64(COSINES)
     expected, cos_t = (x.numpy() for x in fresnel.dielectric(cos, jit.Float64(eta)))
@@ -46,7 +44,7 @@ def test_indices_near_one_reflect_no_negative_light(eta, k) -> None:
     np.testing.assert_allclose(single, double, atol=2e-6)
 
 
-def test_schlick_spans_r0_to_one_for_colours(jit: ModuleType) -> None:
+def test_schlick_spans_r0_to_one_for_colours(jit) -> None:
     r0 = jit.Array3f(0.04, 0.5, 1.0)
     np.testing.assert_allclose(fresnel.schlick(jit.Float(1), r0).numpy()[:, 0], [0.04, 0.5, 1.0])
     np.testing.assert_allclose(fresnel.schlick(jit.Float(0), r0).numpy()[:, 0], 1)

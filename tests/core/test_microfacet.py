@@ -1,7 +1,5 @@
 """GGX of one width or two: definition, white furnace, sampling, symmetries, equal widths."""
 
-from types import ModuleType
-
 import numpy as np
 import pytest
 from tests.directions import above
@@ -25,12 +23,12 @@ def direction(theta: float, phi: float = 0.4) -> np.ndarray:
     return np.array([[sin * np.cos(phi)], [sin * np.sin(phi)], [np.cos(theta)]], np.float32)
 
 
-def floats(jit: ModuleType, alpha):
+def floats(jit, alpha):
     return of_widths(jit.Float, alpha)
 
 
 @pytest.mark.parametrize("alpha", ALPHAS)
-def test_distribution_and_masking_are_those_of_the_definition(jit: ModuleType, alpha) -> None:
+def test_distribution_and_masking_are_those_of_the_definition(jit, alpha) -> None:
     """Heitz 2014, eqs. 43, 72, 80 and 85, in angles and double precision."""
     w, (along, across) = above(2000, 1, 0.02).T, microfacet.pair(alpha)
     x, y, z = w.astype(np.float64)
@@ -50,7 +48,7 @@ def test_distribution_and_masking_are_those_of_the_definition(jit: ModuleType, a
 
 @pytest.mark.parametrize("theta", [0.0, 0.8, 1.5])
 @pytest.mark.parametrize(("alpha", "phi"), SAMPLED)
-def test_normals_are_sampled_as_visible(jit: ModuleType, sphere_test, alpha, theta, phi) -> None:
+def test_normals_are_sampled_as_visible(jit, sphere_test, alpha, theta, phi) -> None:
     u1, u2 = np.random.default_rng(1).random((2, 200_000), dtype=np.float32)
     w, own = jit.Array3f(direction(theta, phi)), floats(jit, alpha)
     m = microfacet.sample_visible_normal(w, own, jit.Float(u1), jit.Float(u2))
@@ -63,7 +61,7 @@ def test_normals_are_sampled_as_visible(jit: ModuleType, sphere_test, alpha, the
 
 
 @pytest.mark.parametrize("alpha", [0.01, 0.03])
-def test_slopes_of_narrow_lobes_follow_their_distribution(jit: ModuleType, alpha: float) -> None:
+def test_slopes_of_narrow_lobes_follow_their_distribution(jit, alpha: float) -> None:
     # From straight above visible normals have the density D cos, whose cumulative distribution in
     # tan^2 / alpha^2 = t is t / (1 + t): Kolmogorov's test, where cells would be too coarse.
     stats = pytest.importorskip("scipy.stats")
@@ -74,7 +72,7 @@ def test_slopes_of_narrow_lobes_follow_their_distribution(jit: ModuleType, alpha
     assert stats.kstest(t, lambda x: x / (1 + x)).pvalue > 1e-3
 
 
-def test_sampled_normals_face_the_view(jit: ModuleType) -> None:
+def test_sampled_normals_face_the_view(jit) -> None:
     u1, u2 = np.random.default_rng(3).random((2, 100_000), dtype=np.float32)
     for theta in (0.0, 1.0, 1.57):
         for alpha in ALPHAS:
@@ -87,7 +85,7 @@ def test_sampled_normals_face_the_view(jit: ModuleType) -> None:
 
 @pytest.mark.parametrize("phi", [0.0, 0.5, np.pi / 2])
 @pytest.mark.parametrize("theta", [0.1, 0.8, 1.5])
-def test_proposals_sample_their_density(jit: ModuleType, sphere_test, theta, phi) -> None:
+def test_proposals_sample_their_density(jit, sphere_test, theta, phi) -> None:
     u = np.random.default_rng(2).random((3, 200_000), dtype=np.float32)
     alphas = [floats(jit, Widths(*pair)) for pair in ((0.5, 0.15), (0.3, 0.9))]
     proposal = mixture.Mixture([jit.Float(share) for share in (0.5, 0.3, 0.2)], alphas)
@@ -133,7 +131,7 @@ def test_the_lobe_is_reciprocal_and_has_the_symmetries_of_its_tangent(jit, alpha
 
 
 @pytest.mark.parametrize("alpha", [0.01, 0.1, 0.37, 1.0])
-def test_equal_widths_are_one_width(jit: ModuleType, alpha: float) -> None:
+def test_equal_widths_are_one_width(jit, alpha: float) -> None:
     w, m = jit.Array3f(above(1000, 5, 0.02).T), jit.Array3f(above(1000, 6, 0.02).T)
     u1, u2 = (jit.Float(x) for x in np.random.default_rng(7).random((2, 1000), dtype=np.float32))
     functions = [

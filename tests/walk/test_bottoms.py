@@ -3,93 +3,89 @@
 import drjit as dr
 import numpy as np
 import pytest
-from tests.directions import pairs_above
+from tests.directions import in_plane, pairs_above
 
 from urushi.core import microfacet
 from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.random import stream
 from urushi.train.distribution import Extended
-from urushi.walk import monte_carlo
+from urushi.walk import conductor
 from urushi.walk.bottoms import KINDS
 from urushi.walk.bottoms.conductor import SchlickConductor
 from urushi.walk.bottoms.measured_like import MeasuredLike
 from urushi.walk.bottoms.mixture import Mixture
+from urushi.walk.table import from_stack
 
 SAMPLES = 1 << 20
+#: Bottoms that training does not draw.
+METALS = {
+    "conductor_compensated": {"alpha": 0.6, "r0": 0.9},
+    "conductor_compensated_anisotropic": {"alpha_u": 0.3, "alpha_v": 0.9, "r0": 0.9},
+}
 
 
-@pytest.fixture(scope="module")
-def types():
-    return monte_carlo.backend()
-
-
-def directions(types, theta):
+def directions(jit, theta):
     """Many copies of wi at an angle to the normal, and uniform numbers from a fixed stream."""
-    wi = types.Array3f(float(np.sin(theta)), 0, float(np.cos(theta)))
-    rng = stream(types.PCG32, dr.arange(types.UInt64, SAMPLES), 1)
-    return wi + dr.zeros(types.Array3f, SAMPLES), rng
-
-
-def drawn(types, kind, count):
-    table = Extended(0, kind).sample(np.random.default_rng(3), count)
-    for row in range(count):
-        yield KINDS[kind].bottom(*(types.Float(float(v[row])) for v in table.bottom.values()))
+    wi = jit.Array3f(*in_plane([np.degrees(theta)]).T)
+    rng = stream(jit.PCG32, dr.arange(jit.UInt64, SAMPLES), 1)
+    return wi + dr.zeros(jit.Array3f, SAMPLES), rng
 
 
 @pytest.mark.parametrize("theta", [0.2, 1.2])
-@pytest.mark.parametrize("kind", ["mixture", "measured_like"])
-def test_mixture_weights_integrate_the_brdf_and_its_density(types, kind, theta):
+@pytest.mark.parametrize("kind", ["mixture", "measured_like", *METALS])
+def test_samples_follow_their_density_and_integrate_the_brdf(jit, kind, theta):
     """The mean weight is the albedo, and the density integrates to the share that succeeds."""
-    for mixture in drawn(types, kind, 6):
-        wi, rng = directions(types, theta)
-        _, weight, pdf = mixture.sample(
-            wi, rng.next_float32(), rng.next_float32(), rng.next_float32()
-        )
-        grid = square_to_cosine_hemisphere(types.Array3f, rng.next_float32(), rng.next_float32())
-        f, density = mixture.f_pdf(wi, grid)
-        mean, error = (f * dr.pi).numpy().mean(), (f * dr.pi).numpy().std() / SAMPLES**0.5
+    if kind in METALS:
+        columns = from_stack(conductor(**METALS[kind], energy_compensation=True)).bottom
+    else:
+        columns = Extended(0, kind).sample(np.random.default_rng(3), 6).bottom
+    for numbers in zip(*columns.values(), strict=True):
+        bottom = KINDS[kind].bottom(*(jit.Float(float(x)) for x in numbers))
+        wi, rng = directions(jit, theta)
+        wo, weight, pdf = bottom.sample(wi, *(rng.next_float32() for _ in range(3)))
+        succeeded = (pdf > 0).numpy()
+        density = bottom.f_pdf(wi, wo)[1].numpy()
+        np.testing.assert_allclose(density[succeeded], pdf.numpy()[succeeded], rtol=1e-3)
+        grid = square_to_cosine_hemisphere(jit.Array3f, rng.next_float32(), rng.next_float32())
+        f, density = bottom.f_pdf(wi, grid)
         # Four standard errors of either estimate; cosine sampling is the noisier one.
-        assert abs(weight.numpy().mean() - mean) < 4 * error + 4 * weight.numpy().std() / 1024
+        estimates = (f * dr.pi).numpy(), weight.numpy()
+        error = 4 * sum(x.std() for x in estimates) / SAMPLES**0.5
+        assert abs(estimates[0].mean() - estimates[1].mean()) < error
         values = (density * dr.pi / grid.z).numpy()
-        succeeded = (pdf > 0).numpy().mean()
-        assert abs(values.mean() - succeeded) < 4 * values.std() / SAMPLES**0.5 + 2e-3
+        error = 4 * values.std() / SAMPLES**0.5 + 2e-3
+        assert abs(values.mean() - succeeded.mean()) < error
 
 
-def test_mixture_of_one_lobe_is_that_lobe(types):
-    wi, rng = directions(types, 0.7)
-    wo = square_to_cosine_hemisphere(types.Array3f, rng.next_float32(), rng.next_float32())
-    one, half, r0 = types.Float(1), types.Float(0.5), types.Float(0.3)
-    zero = types.Float(0)
-    lobe = Mixture(zero, one, half, r0, zero, half, r0).f_pdf(wi, wo)[0]
-    conductor = SchlickConductor(half, r0).f_pdf(wi, wo)[0]
-    np.testing.assert_allclose(lobe.numpy(), conductor.numpy(), rtol=1e-5)
+def test_lobes_of_special_exponents_are_those_of_conductors(jit):
+    """A mixture of one lobe, or of none; Trowbridge-Reitz's lobe of exponent two is GGX."""
+    wi, rng = directions(jit, 0.7)
+    wo = square_to_cosine_hemisphere(jit.Array3f, rng.next_float32(), rng.next_float32())
+    zero, one, half, r0, two = (jit.Float(x) for x in (0, 1, 0.5, 0.3, 2))
+    expected = SchlickConductor(half, r0).f_pdf(wi, wo)[0].numpy()
+    lobe, none = (one, half, two, r0, half), (zero, half, half, r0, half)
+    for bottom in (
+        Mixture(zero, one, half, r0, zero, half, r0),
+        MeasuredLike(zero, zero, zero, *lobe, *none),
+    ):
+        np.testing.assert_allclose(bottom.f_pdf(wi, wo)[0].numpy(), expected, rtol=1e-4)
     diffuse = Mixture(half, zero, half, r0, zero, half, r0).f_pdf(wi, wo)[0]
     np.testing.assert_allclose(diffuse.numpy(), 0.5 / np.pi, rtol=1e-6)
 
 
-def test_trowbridge_reitz_lobe_of_exponent_two_is_ggx(types):
-    wi, rng = directions(types, 0.7)
-    wo = square_to_cosine_hemisphere(types.Array3f, rng.next_float32(), rng.next_float32())
-    zero, half, r0 = types.Float(0), types.Float(0.5), types.Float(0.3)
-    lobe, none = (types.Float(1), half, types.Float(2), r0, half), (zero, half, half, r0, half)
-    f = MeasuredLike(zero, zero, zero, *lobe, *none).f_pdf(wi, wo)[0]
-    conductor = SchlickConductor(half, r0).f_pdf(wi, wo)[0]
-    np.testing.assert_allclose(f.numpy(), conductor.numpy(), rtol=1e-4)
-
-
 @pytest.mark.parametrize("gamma", [0.6, 1.03, 3.0, 8.0])
 @pytest.mark.parametrize("alpha", [0.02, 0.5])
-def test_trowbridge_reitz_normals_are_drawn_with_their_density(types, alpha, gamma):
+def test_trowbridge_reitz_normals_are_drawn_with_their_density(jit, alpha, gamma):
     """Samples and quadrature over theta have one mean of cos^2, and the density integrates to 1."""
-    rng = stream(types.PCG32, dr.arange(types.UInt64, SAMPLES), 1)
-    parameters = types.Float(alpha), types.Float(gamma)
-    m = microfacet.sample_gtr(types.Array3f, *parameters, rng.next_float32(), rng.next_float32())
+    rng = stream(jit.PCG32, dr.arange(jit.UInt64, SAMPLES), 1)
+    parameters = jit.Float(alpha), jit.Float(gamma)
+    m = microfacet.sample_gtr(jit.Array3f, *parameters, rng.next_float32(), rng.next_float32())
     drawn_sin2 = 1 - m.z.numpy().astype(np.float64) ** 2
     # Midpoints in ln tan theta, which resolves every width.
     edges = np.linspace(np.log(alpha * 1e-3), np.log(1e4), 20_001)
     theta = np.arctan(np.exp(0.5 * (edges[1:] + edges[:-1])))
     step = np.diff(np.arctan(np.exp(edges)))
-    normal = types.Array3f(*(types.Float(x) for x in (np.sin(theta), 0 * theta, np.cos(theta))))
+    normal = jit.Array3f(*(jit.Float(x) for x in (np.sin(theta), 0 * theta, np.cos(theta))))
     density = microfacet.gtr_d(normal, *parameters).numpy() * np.cos(theta)
     weight = 2 * np.pi * density * np.sin(theta) * step
     assert np.sum(weight) == pytest.approx(1, abs=2e-3)  # float32 for gamma close to one

@@ -1,20 +1,12 @@
 """The phase function: normalisation, mean cosine, and sampling by inversion."""
 
-from types import ModuleType
-
 import numpy as np
 import pytest
 
 from urushi.walk import medium
-from urushi.walk.monte_carlo import backend
 
 NODES = np.polynomial.legendre.leggauss(200)
 ASYMMETRIES = [-0.95, -0.5, -1e-3, -1e-6, 0.0, 1e-8, 9.9e-4, 1.01e-3, 0.3, 0.8, 0.97]
-
-
-@pytest.fixture
-def jit() -> ModuleType:
-    return backend()
 
 
 def cumulative(g: float, cos: np.ndarray) -> np.ndarray:
@@ -28,7 +20,7 @@ def cumulative(g: float, cos: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("g", ASYMMETRIES)
-def test_it_is_normalised_and_its_mean_cosine_is_g(jit: ModuleType, g: float) -> None:
+def test_it_is_normalised_and_its_mean_cosine_is_g(jit, g: float) -> None:
     nodes, weights = NODES
     values = medium.hg(jit.Float(nodes.astype(np.float32)), jit.Float(g)).numpy()
     # float32 cosines and a peak that is sharp for the largest |g|
@@ -37,7 +29,7 @@ def test_it_is_normalised_and_its_mean_cosine_is_g(jit: ModuleType, g: float) ->
 
 
 @pytest.mark.parametrize("g", ASYMMETRIES)
-def test_samples_invert_the_distribution_function(jit: ModuleType, g: float) -> None:
+def test_samples_invert_the_distribution_function(jit, g: float) -> None:
     u = np.concatenate([[0, 2**-24, 1 - 2**-24], np.linspace(0, 1, 1001)[:-1]]).astype(np.float32)
     cos = medium.sample_hg_cosine(jit.Float(g), jit.Float(u)).numpy()
     assert np.all(np.abs(cos) <= 1)
@@ -46,7 +38,7 @@ def test_samples_invert_the_distribution_function(jit: ModuleType, g: float) -> 
     np.testing.assert_allclose(cumulative(g, cos), u, atol=1.5e-4)
 
 
-def test_opposite_asymmetries_mirror_each_other(jit: ModuleType) -> None:
+def test_opposite_asymmetries_mirror_each_other(jit) -> None:
     cos = np.linspace(-1, 1, 101, dtype=np.float32)
     there = medium.hg(jit.Float(cos), jit.Float(0.7)).numpy()
     back = medium.hg(jit.Float(-cos), jit.Float(-0.7)).numpy()

@@ -16,12 +16,14 @@ from urushi.walk import (
     dielectric,
     diffuse,
     simulate,
+    slab,
 )
 from urushi.walk.simulate import albedo
 from urushi.walk.table import from_stack
 
 UP = [[0.0, 0.0, 1.0]]
 STACK = coat(diffuse(0.5), 0.1, 1.5)
+ONES, WHITE = np.ones((2, 1)), {"reflectance": np.ones(2)}
 
 
 def test_descriptions_are_values() -> None:
@@ -31,6 +33,8 @@ def test_descriptions_are_values() -> None:
     assert hash(stack) == hash(again)
     assert stack.bottom.r0 == (0.9, 0.8, 0.7)
     assert stack.coats[0].alpha == 0.5
+    with pytest.raises(AttributeError):
+        Conductor(0.1, 0.5).alpha = 0.2  # type: ignore[misc]
 
 
 def test_defaults_of_coat_are_those_of_the_plugins() -> None:
@@ -117,36 +121,59 @@ def test_widths_differ_by_channel_and_by_axis() -> None:
         ),
         (lambda: Stack((), diffuse(1)), "a Stack needs one or more Coat objects, top to bottom"),
         (lambda: Stack((diffuse(1),), diffuse(1)), "a Stack needs one or more Coat objects"),
+        (lambda: coat(diffuse(1), sigma_t=1e300), r"sigma_t is 1e\+300; .* depth in \[0, 1e6"),
+        (lambda: slab(far=diffuse(1)), "the far side of a slab is a Diffuse, not an interf"),
+        (lambda: slab(0.1, 0.0), "the slab's eta is 0; it must be an index of"),
+        (lambda: slab(0.1, -1.5), "the slab's eta is -1.5; it must be an index of"),
+        (lambda: slab(sigma_t=np.inf), "sigma_t is inf; it must be an optical depth"),
+        (
+            lambda: coat(slab(0.3), energy_compensation=True),
+            "energy_compensation needs an opaque bottom",
+        ),
+        (
+            lambda: simulate(diffuse(0.5), UP, UP),
+            r"simulate needs a Stack from urushi.coat\(...\), not Diffuse",
+        ),
+        (lambda: simulate(None, UP, UP), "simulate needs a Stack .* not NoneType"),
+        (
+            lambda: simulate(STACK, UP, [[0, 0, 1.01]]),
+            r"wo\[0\] = .* is not a unit vector; divide directions by",
+        ),
+        (
+            lambda: simulate(STACK, UP, UP * 2),
+            "wi has 1 directions and wo has 2; give pairs of the same number",
+        ),
+        (lambda: simulate(STACK, "up", UP), r"wi must be an \(N, 3\) array of unit vectors"),
+        (lambda: simulate(STACK, UP, UP, walks=1), "walks is 1; .* needs at least 2"),
+        (lambda: simulate(STACK, UP, UP, walks=-5), "walks is -5; .* needs at least 2"),
+        (lambda: simulate(STACK, UP, UP, mode="flux"), "is 'flux'; give 'radiance' or 'import"),
+        (lambda: albedo(STACK, UP, walks=0), "walks is 0; .* needs at least 2"),
+        (lambda: albedo(STACK, [[0, 0, 2]]), r"wi\[0\] = .* is not a unit vector"),
+        (
+            lambda: albedo(STACK, UP, transmitted=True),
+            "a Diffuse bottom is opaque; only urushi.slab",
+        ),
+        (
+            lambda: StackTable(*5 * [ONES], "conductor", {"alpha": np.ones(2)}),
+            "'conductor' bottoms needs the parameters alpha, r0",
+        ),
+        (
+            lambda: StackTable(ONES, np.ones(2), *3 * [ONES], "diffuse", WHITE),
+            r"eta must have shape \(stacks, coats\)",
+        ),
+        (
+            lambda: StackTable(Widths(ONES, np.ones(2)), *4 * [ONES], "diffuse", WHITE),
+            r"alpha_v must have shape \(stacks, coats\)",
+        ),
+        (
+            lambda: StackTable(*5 * [ONES], "diffuse", {"reflectance": np.ones(3)}),
+            "bottom parameters must have one number per stack",
+        ),
     ],
 )
-def test_errors_name_mistakes_in_descriptions(make, sentence: str) -> None:
+def test_mistakes_are_named(make, sentence: str) -> None:
     with pytest.raises(ParameterError, match=sentence):
         make()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ((diffuse(0.5), UP, UP), r"simulate needs a Stack from urushi.coat\(...\), not Diffuse"),
-        ((None, UP, UP), "simulate needs a Stack .* not NoneType"),
-        ((STACK, UP, [[0, 0, 1.01]]), r"wo\[0\] = .* is not a unit vector; divide directions by"),
-        ((STACK, UP, UP * 2), "wi has 1 directions and wo has 2; give pairs of the same number"),
-        ((STACK, "up", UP), r"wi must be an \(N, 3\) array of unit vectors"),
-    ],
-)
-def test_errors_name_mistakes_in_a_simulation(arguments: tuple, sentence: str) -> None:
-    with pytest.raises(ParameterError, match=sentence):
-        simulate(*arguments)
-
-
-def test_one_walk_has_no_standard_error() -> None:
-    for walks in (1, 0, -5):
-        for use in (
-            lambda n: simulate(STACK, UP, UP, walks=n),
-            lambda n: albedo(STACK, UP, walks=n),
-        ):
-            with pytest.raises(ParameterError, match=f"walks is {walks}; .* needs at least 2"):
-                use(walks)
 
 
 def test_no_directions_give_no_values() -> None:
@@ -157,21 +184,3 @@ def test_no_directions_give_no_values() -> None:
         *(analytic.f(bottom, nothing, nothing) for bottom in (diffuse(0.5), conductor(0.2, 0.9))),
     ):
         assert values.shape == (0, 3)
-
-
-def test_errors_name_mistakes_in_a_table() -> None:
-    one = np.ones((2, 1))
-    with pytest.raises(ParameterError, match="'conductor' bottoms needs the parameters alpha, r0"):
-        StackTable(one, one, one, one, one, "conductor", {"alpha": np.ones(2)})
-    with pytest.raises(ParameterError, match=r"eta must have shape \(stacks, coats\)"):
-        StackTable(one, np.ones(2), one, one, one, "diffuse", {"reflectance": np.ones(2)})
-    with pytest.raises(ParameterError, match=r"alpha_v must have shape \(stacks, coats\)"):
-        alpha = Widths(one, np.ones(2))
-        StackTable(alpha, one, one, one, one, "diffuse", {"reflectance": np.ones(2)})
-    with pytest.raises(ParameterError, match="bottom parameters must have one number per stack"):
-        StackTable(one, one, one, one, one, "diffuse", {"reflectance": np.ones(3)})
-
-
-def test_a_description_cannot_be_changed() -> None:
-    with pytest.raises(AttributeError):
-        Conductor(0.1, 0.5).alpha = 0.2  # type: ignore[misc]
