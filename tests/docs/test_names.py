@@ -1,11 +1,14 @@
 """Names in the documentation exist: modules, functions, files, benchmarks and make targets."""
 
-import ast
 import re
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
+import mitsuba as mi
 import pytest
+
+import urushi
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
@@ -15,36 +18,16 @@ FLOORS = sorted(path.parent.name for path in SOURCE.glob("urushi/*/__init__.py")
 
 
 @cache
-def names_in(path: Path) -> set[str]:
-    """The names that a Python file defines or imports at its top level, and its classes' own."""
-    names: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            names.add(node.name)
-        elif isinstance(node, ast.Import | ast.ImportFrom):
-            names.update((alias.asname or alias.name).split(".")[0] for alias in node.names)
-        elif isinstance(node, ast.Assign):
-            names.update(n.id for t in node.targets for n in ast.walk(t) if isinstance(n, ast.Name))
-        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            names.add(node.target.id)
-    return names
-
-
 def exists(dotted: str) -> bool:
-    """Whether a dotted name is a module of the package, or a name in one of its modules."""
-    parts = dotted.split(".")
-    for cut in range(len(parts), 0, -1):
-        place = SOURCE.joinpath(*parts[:cut])
-        file = (
-            place.with_suffix(".py")
-            if place.with_suffix(".py").is_file()
-            else place / "__init__.py"
-        )
-        if file.is_file():
-            return all(part in names_in(file) for part in parts[cut : cut + 1])
-        if place.is_dir():
-            return cut == len(parts)
-    return False
+    """Whether a dotted name is a module of the package, or begins with one and a name in it."""
+    mi.set_variant("llvm_ad_rgb")  # modules of plugins need one
+    module, parts = urushi, dotted.split(".")[1:]
+    for part in parts:
+        try:
+            module = import_module(f"{module.__name__}.{part}")
+        except ModuleNotFoundError:
+            return hasattr(module, part)
+    return True
 
 
 def in_code(page: Path) -> list[str]:
