@@ -3,14 +3,16 @@
 import fan2022
 import numpy as np
 import pytest
-from fan2022 import Material, PaperNetworks, architecture, load
+from fan2022 import Material, PaperNetworks, load
 from fan2022.architecture import PaperArchitecture, init
-from fan2022.inference import proxy
-from tests import mixtures
+from fan2022.texels import CodeTexture
 from tests.directions import pairs_above
+from tests.mitsuba import probes
 
 import urushi
 from urushi.errors import ParameterError, UrushiWarning
+from urushi.mitsuba.reading import probing
+from urushi.textures.store import TexelGrid
 
 
 @pytest.fixture(scope="module")
@@ -23,46 +25,37 @@ def paper(tmp_path_factory):
     return PaperNetworks(PaperArchitecture(steps=1, pairs=64), params, {}).save(path), path
 
 
-def test_blocks_agree_with_numpy(rgb):
-    """A skip around a normalised layer, at widths that compile in no time."""
-    from drjit import nn
-    from fan2022.kernels import bound
-
-    chain = (*architecture.fc("a", 6, 8), *architecture.rb("b", 8), architecture.Linear("c", 8, 2))
-    rng = np.random.default_rng(6)
-    params = {
-        k: rng.normal(size=s).astype(np.float32) for k, s in architecture.shapes(chain).items()
-    }
-    x = rng.normal(size=(100, 6)).astype(np.float32)
-    ours = bound(params, chain)(nn.CoopVec(*(rgb.Float(column) for column in x.T)))
-    ours = np.stack([value.numpy() for value in ours], axis=-1)
-    expected = architecture.apply(params, chain, x)
-    np.testing.assert_allclose(ours, expected, atol=1e-5 * np.abs(expected).max())
+@pytest.fixture
+def pairs():
+    return pairs_above(16, 1, 0.1)
 
 
-def test_proposals_agree_with_numpy(rgb, paper):
-    from fan2022.inference import GaussianMixture
-    from fan2022.kernels import PaperSampler
-
-    own, _ = paper
-    z = np.random.default_rng(7).normal(size=(50, 32)).astype(np.float32)
-    expected = proxy(own.params, z)
-    ours = PaperSampler(own.params).proposal([rgb.Float(column) for column in z.T])
-    np.testing.assert_allclose(ours.sigma.numpy(), expected.sigma, rtol=1e-3)
-    np.testing.assert_allclose(ours.share.numpy(), expected.share, rtol=1e-3)
-
-    wi, wo = pairs_above(50, 8)
-    u = np.random.default_rng(9).random((50, 3)).astype(np.float32)
-    mixture = GaussianMixture(rgb.Float(expected.sigma), rgb.Float(expected.share))
-    vi, vo = (rgb.Vector3f(np.ascontiguousarray(v.T)) for v in (wi, wo))
-    np.testing.assert_allclose(
-        mixture.pdf(vi, vo).numpy(), mixtures.pdf(expected, wi, wo), rtol=1e-3
+def test_a_saved_material_is_that_of_python(rgb, paper, tmp_path, pairs):
+    """Values, densities, and samples of the same uniform numbers; one proposal is nearly flat."""
+    own, path = paper
+    rng = np.random.default_rng(7)
+    codes = 1 + 0.1 * rng.normal(size=(3, 32))
+    material = Material(codes, own)
+    material.save(tmp_path / "material.safetensors")
+    bsdf = rgb.load_dict(
+        {
+            "type": "fan2022_brdf",
+            "weights": str(path),
+            "filename": str(tmp_path / "material.safetensors"),
+        }
     )
-    drawn = mixture.sample(vi, rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T)))
-    gaussian = u[:, 0] < expected.share  # the cosine lobes warp the unit square otherwise
-    assert gaussian.any()
-    there = mixtures.sample(expected, wi, u)
-    np.testing.assert_allclose(drawn.numpy().T[gaussian], there[gaussian], atol=1e-4)
+    wi, wo = pairs
+    np.testing.assert_allclose(probes.f(bsdf, wi, wo), material.f(wi, wo), rtol=1e-3, atol=1e-4)
+    si, u = probing.interaction(wi, np.zeros((16, 2))), rng.random((16, 3)).astype(np.float32)
+    pdf = bsdf.pdf(rgb.BSDFContext(), si, probes.vector(wo))
+    np.testing.assert_allclose(pdf.numpy(), material.pdf(wi, wo), rtol=1e-3)
+    numbers = rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T))
+    drawn, _ = bsdf.sample(rgb.BSDFContext(), si, *numbers)
+    gaussian = u[:, 0] < material._proposal().share  # cosine lobes warp the unit square otherwise
+    expected, density = material.sample(wi, u)
+    assert gaussian.sum() > 4
+    np.testing.assert_allclose(drawn.wo.numpy().T[gaussian], expected[gaussian], atol=1e-4)
+    np.testing.assert_allclose(drawn.pdf.numpy()[gaussian], density[gaussian], rtol=1e-3)
 
 
 SCENE = """<scene version="3.0.0">
@@ -117,18 +110,6 @@ def test_a_warning_names_the_cure_if_a_path_is_recorded(rgb, paper, tmp_path):
         dr.while_loop(start, lambda i, _: i < 2, body)
 
 
-def values(mi, bsdf, uv, wi, wo):
-    """f (N, 3) of a BSDF at points uv."""
-    from urushi.mitsuba.reading import probing
-
-    return probing.bsdf_values(bsdf, wi, wo, uv)
-
-
-@pytest.fixture
-def pairs():
-    return pairs_above(16, 1, 0.1)
-
-
 def test_a_constant_coat_is_that_of_the_functions(rgb, paper, tmp_path, pairs):
     own, path = paper
     bottom = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.2, 0.4, 0.6]}}
@@ -140,7 +121,7 @@ def test_a_constant_coat_is_that_of_the_functions(rgb, paper, tmp_path, pairs):
     for _ in range(2):
         expected = fan2022.layer(top, expected, **medium)
     # Mitsuba's values of the bottom are those of the description but for rounding.
-    f = values(rgb, bsdf, np.full((16, 2), 0.5), *pairs)
+    f = probes.f(bsdf, *pairs)
     np.testing.assert_allclose(f, expected.f(*pairs), rtol=1e-2, atol=1e-3)
     bsdf.save(tmp_path / "coated.safetensors")
     np.testing.assert_allclose(
@@ -165,20 +146,14 @@ def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs):
     textured = bsdf(bitmap, bitmap)
     for texel, value in enumerate((0.2, 0.8)):
         one = bsdf(value, value)
-        f = values(rgb, textured, np.tile([0.25 + 0.5 * texel, 0.5], (16, 1)), *pairs)
-        expected = values(rgb, one, np.full((16, 2), 0.5), *pairs)
-        np.testing.assert_allclose(f, expected, rtol=1e-2, atol=1e-3)
+        f = probes.f(textured, *pairs, (0.25 + 0.5 * texel, 0.5))
+        np.testing.assert_allclose(f, probes.f(one, *pairs), rtol=1e-2, atol=1e-3)
     with pytest.raises(ParameterError, match="textures of its codes cannot be saved"):
         textured.save("nowhere")
 
 
 def test_mip_levels_are_means_of_codes(rgb, paper):
     """At a footprint of 2^k texels, the code is the mean of 2^k x 2^k texels."""
-    from fan2022.texels import CodeTexture
-
-    from urushi.mitsuba.reading import probing
-    from urushi.textures.store import TexelGrid
-
     own, _ = paper
     codes = np.random.default_rng(4).normal(size=(32, 1, 32)).astype(np.float32)
     texture = CodeTexture(own, codes, TexelGrid(8, 4, nearest=True), mipmaps=True)

@@ -3,18 +3,10 @@
 import numpy as np
 import pytest
 from fan2022 import networks, projection
-from fan2022.architecture import PaperArchitecture, init
+from fan2022.architecture import PaperArchitecture
 from fan2022.inference import direction_inputs, evaluate
 
 from urushi.errors import ParameterError
-
-
-@pytest.fixture(scope="module")
-def params():
-    """Untrained networks whose values are positive nearly everywhere."""
-    params = init(3)
-    params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.5)
-    return params
 
 
 @pytest.fixture(scope="module")
@@ -37,26 +29,27 @@ def test_the_rate_falls_as_the_authors_script_prints():
 
 
 @pytest.mark.research
-def test_the_code_of_a_decoded_brdf_decodes_to_it_again(params, directions):
+def test_the_code_of_a_decoded_brdf_decodes_to_it_again(positive, directions):
     """The values are found, not the code: many codes decode to about the same values.
 
     The code is as far from the start as published codes are. The rate falls while the code still
     moves, so that some error remains.
     """
     known = 1 + 0.05 * np.random.default_rng(4).normal(size=(1, 32)).astype(np.float32)
-    f = evaluate(params, known[:, None], directions)
-    z, error = projection.project(params, directions, f, PaperArchitecture(pairs=24))
-    first = np.abs(evaluate(params, np.ones((1, 1, 32), np.float32), directions) - f).mean()
-    assert np.abs(evaluate(params, z[:, None], directions) - f).mean() < 0.25 * first
+    f = evaluate(positive, known[:, None], directions)
+    z, error = projection.project(positive, directions, f, PaperArchitecture(pairs=24))
+    first = np.abs(evaluate(positive, np.ones((1, 1, 32), np.float32), directions) - f).mean()
+    assert np.abs(evaluate(positive, z[:, None], directions) - f).mean() < 0.25 * first
     assert error[0] < 0.5 * first  # at the 24 pairs of the last step
 
 
-def test_the_same_seed_gives_the_same_code_alone_or_with_others(params, directions):
+def test_the_same_seed_gives_the_same_code_alone_or_with_others(positive, directions):
     f = np.random.default_rng(5).gamma(0.5, size=(2, networks.PAIRS)).astype(np.float32)
     options = PaperArchitecture(steps=5, pairs=64)
-    whole, _ = projection.project(params, directions, f, options)
-    np.testing.assert_array_equal(whole, projection.project(params, directions, f, options)[0])
-    alone, _ = projection.project(params, directions, f[1:], options)
+    whole, _ = projection.project(positive, directions, f, options)
+    again, _ = projection.project(positive, directions, f, options)
+    np.testing.assert_array_equal(whole, again)
+    alone, _ = projection.project(positive, directions, f[1:], options)
     np.testing.assert_allclose(alone[0], whole[1], atol=1e-4)  # sums in another order
     draws = [projection.draws(options, 4096, seed) for seed in (1, 1, 2)]
     np.testing.assert_array_equal(*draws[:2])
@@ -64,20 +57,20 @@ def test_the_same_seed_gives_the_same_code_alone_or_with_others(params, directio
     assert projection.draws(PaperArchitecture(), 4096) is None
 
 
-def test_the_loss_is_a_number_for_any_values_of_f_and_of_the_network(params, directions):
+def test_the_loss_is_a_number_for_any_values_of_f_and_of_the_network(positive, directions):
     """Even where the network's outputs cross -1, at which x / (1 + x) has a pole."""
-    negative = {**params, "evaluation.3.bias": np.array([-1.0], np.float32)}
+    negative = {**positive, "evaluation.3.bias": np.array([-1.0], np.float32)}
     f = np.array([[0.0], [1e30]], np.float32).repeat(networks.PAIRS, axis=1)
     z, error = projection.project(negative, directions, f, PaperArchitecture(steps=8, pairs=64))
     assert np.isfinite(z).all() and np.isfinite(error).all()
 
 
-def test_encode_uses_the_projection_of_the_weights(params):
+def test_encode_uses_the_projection_of_the_weights(positive):
     """They take it from the architecture, which the weights file records."""
     arch = PaperArchitecture(steps=3, pairs=64)
     assert PaperArchitecture.from_json(arch.to_json()) == arch
-    own = networks.PaperNetworks(arch, params, {})
-    assert own.fingerprint != networks.PaperNetworks(PaperArchitecture(), params, {}).fingerprint
+    own = networks.PaperNetworks(arch, positive, {})
+    assert own.fingerprint != networks.PaperNetworks(PaperArchitecture(), positive, {}).fingerprint
     codes = own.encode(np.full((1, 2, networks.PAIRS), 0.3, np.float32))
     assert codes.shape == (1, 2, 32)
     assert 0 < np.abs(codes - 1).max() <= 3 * projection.RATE * 1.01
@@ -96,9 +89,9 @@ def projected(monkeypatch):
     return found
 
 
-def test_a_texture_of_lambertian_brdfs_takes_few_projections(params, projected):
+def test_a_texture_of_lambertian_brdfs_takes_few_projections(positive, projected):
     """Codes are interpolated; at the levels themselves they are those of the projection."""
-    own = networks.PaperNetworks(PaperArchitecture(), params, {})
+    own = networks.PaperNetworks(PaperArchitecture(), positive, {})
     reflectance = np.random.default_rng(0).uniform(0, 1, (500, 3))
     f = np.repeat(reflectance[..., None] / np.pi, networks.PAIRS, axis=-1).astype(np.float32)
     codes = own.encode(f)
@@ -112,12 +105,12 @@ def test_a_texture_of_lambertian_brdfs_takes_few_projections(params, projected):
     assert len(projected) == before + 60
 
 
-def test_equal_interfaces_are_projected_once(params, projected, monkeypatch):
+def test_equal_interfaces_are_projected_once(positive, projected, monkeypatch):
     def rows(kind, columns, row, wi, wo):
         return (columns["alpha"] * columns["eta"])[row]
 
     monkeypatch.setattr(networks.analytic, "rows", rows)
-    own = networks.PaperNetworks(PaperArchitecture(), params, {})
+    own = networks.PaperNetworks(PaperArchitecture(), positive, {})
     alpha = np.array([[0.1, 0.2], [0.1, 0.2]], np.float32)
     codes = own._top(alpha, np.float32(1.5))
     np.testing.assert_allclose(codes[..., 0], np.sqrt(np.pi * alpha * 1.5), rtol=1e-6)

@@ -1,5 +1,6 @@
 """Networks in PyTorch's files: they keep their values, and hostile files do nothing."""
 
+import io
 import zipfile
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from fan2022 import Material, PaperNetworks, architecture, published
 from fan2022.__main__ import main
-from fan2022.architecture import EVALUATION, LAYERING, Linear, PaperArchitecture, init
+from fan2022.architecture import EVALUATION, LAYERING, Linear, PaperArchitecture
 from fan2022.inference import direction_inputs, evaluate, layer
 from fan2022.torch_files import state_dict
 from tests.fan2022 import torch_writer
@@ -23,16 +24,6 @@ from tests.fan2022.torch_writer import (
 )
 
 from urushi.errors import FileError
-
-
-@pytest.fixture(scope="module")
-def params():
-    """Random networks whose normalisations are not the identity."""
-    rng = np.random.default_rng(1)
-    return {
-        name: value + 0.1 * rng.normal(size=value.shape).astype(np.float32)
-        for name, value in init(0).items()
-    }
 
 
 def in_torch(params, chain) -> dict[str, np.ndarray]:
@@ -144,13 +135,9 @@ def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsy
     # The sampler without training: nearly the cosine's density everywhere.
     wi, wo = np.array([[0.6, 0, 0.8]]), np.array([[0.0, 0.9, np.sqrt(0.19)]])
     np.testing.assert_allclose(material.pdf(wi, wo), wo[:, 2] / np.pi, rtol=0.03)
-
-    def projection(*arguments):
-        assert main(["import", *paths, "-o", str(output), *arguments]) == 0
-        return PaperNetworks.read(output).arch
-
     assert model.arch == PaperArchitecture(pairs=64)
-    assert projection("--projection-pairs", "4096") == PaperArchitecture()
+    assert main(["import", *paths, "-o", str(output), "--projection-pairs", "4096"]) == 0
+    assert PaperNetworks.read(output).arch == PaperArchitecture()
 
 
 def test_a_file_of_another_network_is_refused(params, files, tmp_path):
@@ -165,9 +152,12 @@ def test_a_file_of_another_network_is_refused(params, files, tmp_path):
         with pytest.raises(FileError, match=match):
             published.networks(path, layering)
 
-    swapped = {**tensors, names[1]: tensors[names[2]], names[2]: tensors[names[1]]}
-    swapped[names[1].replace("weight", "bias")] = tensors[names[2].replace("weight", "bias")]
-    swapped[names[2].replace("weight", "bias")] = tensors[names[1].replace("weight", "bias")]
+    two = [name.removesuffix("weight") for name in names[1:3]]
+    swapped = tensors | {
+        one + part: tensors[other + part]
+        for one, other in (two, two[::-1])
+        for part in ("weight", "bias")
+    }
     refused(swapped, r"Linear 2 of .* has a weight of shape \(256, 128\), the paper's has \(128, 2")
     refused({**tensors, "latents": np.ones((9, 32), np.float32)}, "layer '' of the representation")
     refused({**tensors, "a.running_mean": np.ones(3, np.float32)}, "neither a Linear nor a LayerN")
@@ -239,48 +229,44 @@ def test_a_hostile_pickle_is_refused_and_nothing_runs(name, tmp_path):
         assert not target.exists()
 
 
-def test_shapes_outside_the_storage_are_refused(tmp_path):
-    values = np.ones(6, np.float32)
-    whole, fine = {"0": values.tobytes()}, {"shape": (2, 3)}
-    cases = (
-        ({"shape": (2, 3), "offset": 1}, whole),
-        ({"shape": (2, 3), "strides": (4, 1)}, whole),
-        ({"shape": (2, 3), "strides": (-3, 1), "offset": 3}, whole),
-        ({"shape": (-2, 3)}, whole),
-        ({"shape": (1 << 16, 1 << 16), "strides": (0, 0)}, whole),
-        (fine, {"0": bytes(20)}),
-        (fine, {}),
-    )
-    for options, storages in cases:
-        program = dictionary({"a": tensor(values, "0", **options)})
-        path = write(tmp_path / "a.pth", program, storages)
-        with pytest.raises(FileError, match="lies outside its storage"):
-            state_dict(path)
+@pytest.mark.parametrize(
+    ("options", "storages"),
+    [
+        ({"shape": (2, 3), "offset": 1}, {"0": bytes(24)}),
+        ({"shape": (2, 3), "strides": (4, 1)}, {"0": bytes(24)}),
+        ({"shape": (2, 3), "strides": (-3, 1), "offset": 3}, {"0": bytes(24)}),
+        ({"shape": (-2, 3)}, {"0": bytes(24)}),
+        ({"shape": (1 << 16, 1 << 16), "strides": (0, 0)}, {"0": bytes(24)}),
+        ({"shape": (2, 3)}, {"0": bytes(20)}),
+        ({"shape": (2, 3)}, {}),
+    ],
+)
+def test_shapes_outside_the_storage_are_refused(options, storages, tmp_path):
+    program = dictionary({"a": tensor(np.ones(6, np.float32), "0", **options)})
+    path = write(tmp_path / "a.pth", program, storages)
+    with pytest.raises(FileError, match="lies outside its storage"):
+        state_dict(path)
 
 
 def test_files_of_other_kinds_are_refused(files, tmp_path):
     path, data = tmp_path / "other.pth", files[0].read_bytes()
     damaged = bytearray(data)
     damaged[len(data) // 2] ^= 1  # within a storage
-    for content, match in (
-        (data[: len(data) // 2], "is damaged"),
-        (bytes(damaged), "is damaged"),
-        (b"", "is not a PyTorch file"),
-    ):
-        path.write_bytes(content)
-        with pytest.raises(FileError, match=match):
-            state_dict(path)
-    with pytest.raises(FileError, match="cannot read .* No such file"):
-        state_dict(tmp_path / "missing.pth")
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:  # a small file of much memory
+    memory, words = io.BytesIO(), io.BytesIO()
+    with zipfile.ZipFile(memory, "w", zipfile.ZIP_DEFLATED) as archive:  # small, of much memory
         archive.writestr("other/data.pkl", dictionary({"a": tensor(np.ones(6, np.float32), "0")}))
         archive.writestr("other/data/0", bytes(1 << 20))
-    with pytest.raises(FileError, match="is damaged"):
-        state_dict(path)
-    with zipfile.ZipFile(path, "w") as archive:
+    with zipfile.ZipFile(words, "w") as archive:
         archive.writestr("words.txt", "no tensors")
-    with pytest.raises(FileError, match="is damaged"):
+    for content in (data[: len(data) // 2], damaged, memory.getvalue(), words.getvalue()):
+        path.write_bytes(content)
+        with pytest.raises(FileError, match="is damaged"):
+            state_dict(path)
+    path.write_bytes(b"")
+    with pytest.raises(FileError, match="is not a PyTorch file"):
         state_dict(path)
+    with pytest.raises(FileError, match="cannot read .* No such file"):
+        state_dict(tmp_path / "missing.pth")
 
 
 def codes(text):
