@@ -172,6 +172,18 @@ def translated(language: str, source: str, stage: str) -> str:
         return result.read_text()
 
 
+def check_wgsl(compiler: str, source: str, folder: Path) -> None:
+    """Whether a browser's compiler takes a file: Chromium has tint, Firefox naga."""
+    path = shutil.which(compiler)
+    if path is None:
+        pytest.skip(f"{compiler} is not installed")
+    file = folder / "shader.wgsl"
+    file.write_text(source)
+    options = ["--format", "wgsl"] if compiler == "tint" else []  # it writes SPIR-V otherwise
+    done = subprocess.run([path, *options, file], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
 @cache
 def gl_context():
     """An OpenGL context without a window; skips the test where there is none."""

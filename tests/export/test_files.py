@@ -82,26 +82,26 @@ def test_dds_is_read_by_another_program(packed, tmp_path):
         assert np.array_equal(np.asarray(opened), first)
 
 
-def test_a_texture_has_the_table_in_the_opposite_order(materials):
-    table = materials["table"].table
-    assert np.array_equal(materials["table"].shader_texture()[..., :3], table)
-    flat = materials["table"].shader_texture("osl").reshape(SHAPE[0], SHAPE[2], SHAPE[1], 3)
-    assert np.array_equal(flat.swapaxes(1, 2), table)
+@pytest.mark.parametrize(
+    ("language", "form"), [("glsl", TextureForm()), ("osl", TextureForm(2, 3))]
+)
+def test_textures_hold_the_table_and_the_functions_of_the_basis(model, materials, language, form):
+    """In the opposite order; of the basis, at each node b and the functions but the first, one."""
 
+    def at_nodes(texture: np.ndarray) -> np.ndarray:
+        if form.axes == 3:
+            blocks = texture.reshape(*SHAPE[:2], -1, SHAPE[2], form.numbers).swapaxes(2, 3)
+        else:
+            blocks = texture.reshape(SHAPE[0], -1, SHAPE[2], SHAPE[1], form.numbers)
+            blocks = blocks.transpose(0, 3, 2, 1, 4)
+        return blocks.reshape(*SHAPE, -1)
 
-@pytest.mark.parametrize("form", [TextureForm(), TextureForm(2, 3)])
-def test_blocks_of_a_texture_hold_the_functions_of_the_basis(model, form):
-    """At each node b and the functions but the first, which is one."""
+    table = materials["table"]
+    assert np.array_equal(at_nodes(table.shader_texture(language))[..., :3], table.table)
     basis = model.networks.basis
-    texture = basis_texture(model, form)
-    numbers = texture.reshape(*SHAPE[: form.axes - 1], -1, SHAPE[form.axes - 1], form.numbers)
-    numbers = np.moveaxis(numbers, form.axes - 1, -2)  # ..., blocks, numbers
-    if form.axes == 2:
-        blocks = numbers.reshape(*SHAPE[:2], -1, SHAPE[2], form.numbers)
-        numbers = blocks.swapaxes(2, 3)
-    rows = numbers.reshape(len(basis.rows), -1)[:, : basis.size]
     assert (basis.rows[:, 1] == 1).all()
-    assert np.array_equal(rows, np.delete(basis.rows, 1, axis=1))
+    found = at_nodes(basis_texture(model, form))[..., : basis.size].reshape(-1, basis.size)
+    assert np.array_equal(found, np.delete(basis.rows, 1, axis=1))
 
 
 @pytest.fixture

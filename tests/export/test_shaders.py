@@ -1,8 +1,6 @@
 """Exported files, run in their languages, agree with `Material`."""
 
 import re
-import shutil
-import subprocess
 from pathlib import Path
 from types import ModuleType
 
@@ -41,14 +39,19 @@ KINDS = (
     "table beside lobe", "brushed lobes", "brushed lobe", "brushed grey", "brushed edges",
 )  # fmt: skip
 
+#: Those that are run in all languages.
+SPECIAL = "three lobes", "grey", "edges", "brushed lobes"
+
 #: Mirror images at the planes of the tangent and of the bitangent, and half a turn.
 MIRRORS = ((1, -1, 1), (-1, 1, 1), (-1, -1, 1))
 
 DIRECTIONS = np.s_[:, :3], np.s_[:, 4:7], np.s_[:, 8:11]
 
 
-def run_python(text: str, rows: np.ndarray, texture: np.ndarray | None) -> np.ndarray:
-    """As `gpu.run`."""
+def run(language: str, text: str, rows: np.ndarray, texture: np.ndarray | None) -> np.ndarray:
+    """As `gpu.run`, in Python too."""
+    if language != "python":
+        return gpu.run(language, text, rows, texture)
     exported = ModuleType("exported")
     exec(text, exported.__dict__)
     first = (exported.material(),) if hasattr(exported, "material") else ()  # a filled template
@@ -57,12 +60,6 @@ def run_python(text: str, rows: np.ndarray, texture: np.ndarray | None) -> np.nd
     direction, density = exported.sample(*first, wi, u)
     pdf = exported.pdf(*first, wi, wo)
     return np.column_stack([exported.f(*first, wi, wo, *last), pdf, direction, density])
-
-
-def run(language: str, text: str, *arguments) -> np.ndarray:
-    """As `gpu.run`, in any language."""
-    in_python = language == "python"
-    return run_python(text, *arguments) if in_python else gpu.run(language, text, *arguments)
 
 
 def close(value: np.ndarray, expected: np.ndarray, tolerance: float) -> bool:
@@ -98,14 +95,12 @@ def basis_of(model, language: str = "glsl") -> np.ndarray:
     return basis_texture(model, texture_form(language))
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_material_in_python(materials, rows, kind):
-    check("python", materials[kind].shader("python"), materials[kind], rows)
-
-
-@pytest.mark.parametrize("kind", ["three lobes", "grey", "edges", "brushed lobes"])
-@pytest.mark.parametrize("language", SHADERS)
-def test_material_in_shaders(materials, rows, language, kind):
+@pytest.mark.parametrize(
+    ("language", "kind"),
+    [("python", kind) for kind in KINDS]
+    + [(language, kind) for language in SHADERS for kind in SPECIAL],
+)
+def test_material(materials, rows, language, kind):
     check(language, materials[kind].shader(language), materials[kind], rows)
 
 
@@ -169,18 +164,9 @@ def test_prefixes_allow_several_materials_in_one_shader(materials, rows):
 
 
 @pytest.mark.parametrize("compiler", ["tint", "naga"])
-def test_wgsl_is_valid_for_browsers(model, materials, tmp_path, compiler):
-    """By the compilers of Chromium and of Firefox."""
-    path = shutil.which(compiler)
-    if path is None:
-        pytest.skip(f"{compiler} is not installed")
+def test_wgsl_is_valid_for_browsers(materials, tmp_path, compiler):
     end = "\n@fragment fn main() -> @location(0) vec4f { return vec4f(1.0); }\n"
-    for text in (materials["edges"].shader("wgsl"), codes_text("wgsl", model, "urushi")):
-        file = tmp_path / "material.wgsl"
-        file.write_text(text + end)
-        options = ["--format", "wgsl"] if compiler == "tint" else []  # it writes SPIR-V otherwise
-        done = subprocess.run([path, *options, file], capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+    gpu.check_wgsl(compiler, materials["edges"].shader("wgsl") + end, tmp_path)
 
 
 def test_example_of_the_page(materials):
