@@ -14,13 +14,10 @@ from urushi.app.describe import describe
 from urushi.core import error_metrics as metrics
 
 
-def test_tone_curve_is_monotone_and_within_the_display_range():
+def test_tone_curve_is_monotone_and_the_difference_shows_sign_and_size():
     ramp = demo.tonemap(np.linspace(0, 50, 1000))
     assert ramp[0] == 0 and ramp[-1] == pytest.approx(1)
     assert (np.diff(ramp) >= 0).all()
-
-
-def test_difference_shows_sign_and_size():
     grey = np.full((1, 3, 3), 0.45)
     shown = demo.difference_picture(grey * [[[1.0], [2.0], [0.5]]], grey)
     np.testing.assert_array_equal(shown[0, 0], 0)
@@ -56,7 +53,7 @@ def test_a_small_demo_writes_every_file_and_its_pictures_agree(tmp_path, monkeyp
     assert str(out / "comparison.png") in text
 
 
-def test_the_demo_says_what_a_picture_of_equal_noise_costs(tmp_path):
+def test_the_demo_says_what_a_picture_of_equal_noise_costs_and_what_to_try(tmp_path):
     figures = {
         f"{name}_{key}": value
         for name, values in (("neural_layered", (1.0, 3.0, 1e-3)), ("layered", (1.0, 4.0, 2e-3)))
@@ -65,15 +62,12 @@ def test_the_demo_says_what_a_picture_of_equal_noise_costs(tmp_path):
     text = " ".join(demo.describe({"relative_mse": 1.0} | figures, tmp_path).split())
     assert "takes 75% of the walk's time and has 50% of its noise" in text
     assert "codes take 38% of the walk's time" in text  # three quarters of a half
-
-
-@pytest.mark.parametrize("command", [command for command, _ in demo.NEXT_COMMANDS])
-def test_the_suggested_commands_can_be_parsed(command):
-    program, *arguments = shlex.split(command)
-    assert program == "urushi"
-    parsed = cli.parse(arguments)
-    if hasattr(parsed, "description"):
-        describe(parsed.description)
+    for command, _ in demo.NEXT_COMMANDS:
+        program, *arguments = shlex.split(command)
+        assert program == "urushi" and command in text
+        parsed = cli.parse(arguments)
+        if hasattr(parsed, "description"):
+            describe(parsed.description)
 
 
 def test_renders_of_other_seeds_are_independent(variant, tmp_path):
@@ -96,14 +90,5 @@ def test_renders_of_other_seeds_are_independent(variant, tmp_path):
 def test_unwritable_output_is_one_sentence(tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert cli.main(["demo", "-o", str(tmp_path / "file" / "demo")]) == 2
-    error = capsys.readouterr().err
-    assert re.fullmatch(
-        r"urushi: cannot create the folder .*; choose one that is writable\n", error
-    )
-
-
-def test_samples_are_a_multiple_of_those_of_a_pass(tmp_path, capsys):
-    assert cli.main(["demo", "-o", str(tmp_path / "demo"), "--spp", "12"]) == 2
-    sentence = "it must be at least 16 and at most 65536 samples, a multiple of 16"
-    assert capsys.readouterr().err == f"urushi: --spp is 12; {sentence}\n"
-    assert not list(tmp_path.iterdir())
+    sentence = r"urushi: cannot create the folder .*; choose one that is writable\n"
+    assert re.fullmatch(sentence, capsys.readouterr().err)

@@ -44,6 +44,7 @@ def bad_values(bounds: Range, whole: bool) -> list[str]:
     """Values just outside, far outside, and no numbers at all."""
     step = 1 if whole else 1e-3
     values = [bounds.least if bounds.above else bounds.least - step, -(10**12)]
+    values += [bounds.least + 1] * (bounds.step > 1)
     if bounds.most < math.inf:
         values += [bounds.most if bounds.below else bounds.most + step, 10**12]
     return [f"{x:.0f}" if whole else repr(float(x)) for x in values] + ([] if whole else ["nan"])
@@ -57,7 +58,8 @@ def test_bad_values_are_refused_before_any_work(name, field, bounds, tmp_path, m
         assert cli.main([name, *NEEDED.get(name, []), option, value]) == cli.FAILURE
         error = capsys.readouterr().err
         assert error.startswith(f"urushi: {option} is ") and error.count("\n") == 1
-        assert "it must be " in error
+        assert f"it must be {bounds}" in error
+    assert not bounds.step or f"a multiple of {bounds.step}" in error
     assert not list(tmp_path.iterdir())
 
 
