@@ -51,6 +51,15 @@ def pairs(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
     return wi, wo
 
 
+def on_all_sides(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs above the horizon, turned so that as many pass a surface as are reflected."""
+    wi, wo = wi.copy(), wo.copy()
+    wi[::2, 2] *= -1
+    wo[::4, 2] *= -1
+    wo[1::4, 2] *= -1
+    return wi, wo
+
+
 def f(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv=(0.0, 0.0)) -> np.ndarray:
     """f (N, C) [1/sr] for pairs (N, 3), at one place of uv or at (N, 2)."""
     return probing.bsdf_values(bsdf, wi, wo, np.broadcast_to(np.float32(uv), (len(wi), 2)))
@@ -97,9 +106,7 @@ def check_walk(bsdf: "mi.BSDF", stack: Stack, degrees: float = 0.0, sides: bool 
     """
     wi, wo = cosine_pairs(np.random.default_rng(4), 16, lowest_cosine=0.05)
     if sides:
-        wi[::2, 2] *= -1
-        wo[::4, 2] *= -1
-        wo[1::4, 2] *= -1
+        wi, wo = on_all_sides(wi, wo)
     count, cosine = 1 << 12, np.abs(wo[:, 2:])
     a, b = (np.repeat(rotated(w, degrees / 360), count, axis=0) for w in (wi, wo))
     si = probing.interaction(a, np.random.default_rng(0).random((len(a), 2)))  # walks of their own

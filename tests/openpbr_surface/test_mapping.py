@@ -5,9 +5,8 @@ import pytest
 
 import urushi
 from urushi.core import albedos, fresnel
-from urushi.core.facets import MIRROR
 from urushi.core.namespace import NUMPY
-from urushi.openpbr_surface import film, formulas, lookups
+from urushi.openpbr_surface import formulas
 from urushi.walk.simulate import albedo
 
 COSINES, WEIGHTS = np.polynomial.legendre.leggauss(48)
@@ -67,42 +66,6 @@ def test_slab_albedo_inverts_the_promise_and_exceeds_the_colour():
     assert (rho <= 1 + 1e-12).all()
 
 
-@pytest.mark.parametrize("eta", [0.7, 1.2, 2.0])
-def test_the_excess_of_a_rough_slab_is_its_integral(eta):
-    """What EON of a white slab sends at once through the interface, by a quadrature over wo."""
-    known, (slab, _) = albedos.tables(eta), lookups.slab_tables(eta)
-    nodes = np.linspace(0, 1, albedos.COSINES)
-    fine = (np.arange(1000) + 0.5) / 1000  # the interface's edge has no room between few nodes
-    at = albedos.cosine_coordinate(fine, eta)
-    azimuths, sigma = (np.arange(64) + 0.5) * np.pi / 64, 0.6
-    for row in (0, 9):
-        passed = 1 - np.interp(at, nodes, known.reflected[0, row])
-        away = np.interp(at, nodes, slab[0, row, :, 0])[:, None]
-        for k in (2, 12, 31):
-            cosine, excess = slab[0, row, k]
-            between = cosine * away + np.sqrt((1 - cosine**2) * (1 - away**2)) * np.cos(azimuths)
-            f = formulas.eon(cosine, away, between, 1.0, sigma).mean(axis=1)
-            found = np.pi * (fine * passed * f).sum() / (fine * passed).sum() - 1
-            # Some 0.003 of the quadrature, of which EON's peak at grazing angles is narrow.
-            assert found == pytest.approx(formulas.eon_deviation(sigma) * excess, abs=0.003)
-
-
-def test_few_facets_have_the_moments_of_all():
-    """Gauss rules of four nodes are exact to the seventh power of the cosine to the facet."""
-    alphas, cosine = albedos.nodes()
-    rules = film.rules()[0]
-    for row in (0, 8, 15):
-        facets, weight = film.facets_seen(alphas[row], cosine)
-        seen = weight.sum(-1)
-        # These are by other facets, whose mean is off by some 0.0005.
-        assert np.allclose(seen, albedos.tables(MIRROR).reflected[0, row], atol=1e-3)
-        cosines, weights = np.split(rules[row], 2, axis=-1)
-        for power in range(8):
-            expected = (weight * facets**power).sum(-1) / seen
-            found = (weights * cosines**power).sum(-1)
-            assert np.allclose(found, expected, rtol=1e-4, atol=1e-6)
-
-
 @pytest.mark.parametrize("eta", [1.3, 1.5, 0.9375])
 def test_a_smooth_glossy_base_keeps_its_colour_in_the_walk(eta):
     """The specification's constraint: E_diffuse = (1 - E_spec) C at normal incidence.
@@ -149,27 +112,6 @@ def test_without_darkening_a_smooth_coat_keeps_the_base_albedo(color, coat):
     assert formulas.boost(1.0, internal, color, coat) == 1
     assert formulas.boost(0.0, internal, 0.1, 0.01) > formulas.boost(0.0, internal, 0.1)
     assert formulas.boost(0.5, internal, color, coat) == pytest.approx(0.5 * (1 + boosted / color))
-
-
-@pytest.mark.parametrize("r", [0.05, 0.3, 1.0])
-def test_the_sheen_lobe_is_a_density(r):
-    azimuth = (np.arange(256) + 0.5) / 256 * 2 * np.pi
-    cosine, sine = COSINES[:, None], np.sqrt(1 - COSINES**2)[:, None]
-    for given in (0.3, 0.9, 1.0):
-        across = (1 - given**2) ** 0.5 * sine * np.cos(azimuth)
-        values = cosine * formulas.fuzz_density(given, cosine, across, r, NUMPY)
-        assert 2 * np.pi * (WEIGHTS * values.mean(axis=1)).sum() == pytest.approx(1, abs=0.02)
-        assert 0 <= formulas.fuzz_albedo(given, r, NUMPY) <= 1
-
-
-@pytest.mark.parametrize("eta", [0.4, 0.7, 0.95, 1.3])
-def test_cosines_of_the_nodes_have_their_coordinates(eta):
-    """The rounding at both ends of an axis that turns there is that of the clipped arc cosine."""
-    _, cosine = albedos.nodes(eta)
-    found = albedos.cosine_coordinate(cosine, eta)
-    assert np.allclose(found, np.linspace(0, 1, albedos.COSINES), atol=4e-3)
-    index = albedos.index_coordinate(albedos.indexnodes())
-    assert np.allclose(index, np.linspace(0, 1, albedos.INDICES), atol=1e-6)
 
 
 @pytest.mark.parametrize("eta", [0.5, 0.7, 0.95])

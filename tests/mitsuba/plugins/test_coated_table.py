@@ -1,13 +1,11 @@
-"""Constant coats over bottoms known by their values alone are computed from tables."""
+"""Coats over bottoms known by their values alone, against tables and against the walk."""
 
 import drjit as dr
 import numpy as np
 import pytest
 from tests.mitsuba.probes import f, strip
 
-import urushi
 from urushi.mitsuba.reading import probing
-from urushi.walk import dielectric
 
 SIGMA_T = (0.1, 0.4, 1.2)
 
@@ -17,37 +15,6 @@ def plugin(mi, bottom, **coat):
     medium = {"sigma_t": {"type": "rgb", "value": list(SIGMA_T)}}
     interface = {"alpha": 0.1, "int_ior": 1.5, "ext_ior": 1.0}
     return mi.load_dict({"type": "neural_layered", **interface, **medium, **coat, "base": bottom})
-
-
-@pytest.fixture(scope="module")
-def measured(merl_file):
-    return urushi.encode(urushi.load_measured(merl_file))
-
-
-@pytest.fixture(scope="module")
-def coated(measured):
-    return urushi.layer(dielectric(0.1, 1.5), measured, sigma_t=SIGMA_T)
-
-
-@pytest.mark.slow
-def test_as_in_python(rgb, merl_file, coated, random_directions, tmp_path):
-    bsdf = plugin(rgb, {"type": "measured_brdf", "filename": str(merl_file)})
-    assert "with a table" in str(bsdf) and bsdf.latents.material == coated
-    wi, wo = random_directions(500, 1, 0.05), random_directions(500, 2, 0.05)
-    wo[:100] = wi[:100] * [-1, -1, 1]
-    np.testing.assert_allclose(f(bsdf, wi, wo), coated.f(wi, wo), rtol=2e-3)
-    bsdf.save(tmp_path / "a")
-    again = rgb.load_dict({"type": "neural_brdf", "filename": str(tmp_path / "a")})
-    np.testing.assert_array_equal(f(again, wi, wo), f(bsdf, wi, wo))
-
-
-@pytest.mark.slow
-def test_over_saved_and_coated_materials(rgb, measured, coated, tmp_path):
-    measured.save(tmp_path / "bare")
-    over_file = plugin(rgb, {"type": "neural_brdf", "filename": str(tmp_path / "bare")})
-    assert over_file.latents.material == coated
-    twice = plugin(rgb, over_file)
-    assert twice.latents.material == urushi.layer(dielectric(0.1, 1.5), coated, sigma_t=SIGMA_T)
 
 
 def test_codes_of_textured_coats_are_near_the_table(rgb, merl_file, random_directions):

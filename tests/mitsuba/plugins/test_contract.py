@@ -1,11 +1,14 @@
 """What Mitsuba's integrators ask of a BSDF, by every plugin: a case for each of its code paths."""
 
+from typing import NamedTuple
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
 from tests.directions import above
-from tests.mitsuba.probes import spheres, update, vector, walked
+from tests.mitsuba import sampling
+from tests.mitsuba.probes import on_all_sides, spheres, strip, update, vector, walked
 
 from urushi.material import encode
 from urushi.mitsuba.reading import probing
@@ -23,53 +26,63 @@ def color(*values: float) -> dict:
     return {"type": "rgb", "value": list(values)}
 
 
-#: By name, a description, and one of its parameters with another value. None: no property has the
-#: parameters, or an update fits a table for seconds. The light that walks lose is not measured.
+GLASS = {"type": "roughdielectric", "distribution": "ggx", "ext_ior": 1.0, "alpha": 0.2}
+BODY = MEDIUM | {"alpha": 0.2, "int_ior": 1.3, "base": GLASS | {"int_ior": 1.5}}
+OPENPBR = {"type": "openpbr"}
+
+
+class Case(NamedTuple):
+    """A plugin, and one of its parameters with another value."""
+
+    described: dict
+    change: tuple | None = None  # None: no property has the parameters, or it fits for seconds
+    across: float | None = None  # index below relative to above; None: it is opaque
+
+
+#: The light that walks lose is not measured.
 CASES = {
-    "walks": ({"type": "layered", **COAT, "base": GGX | {"alpha": 0.3}}, ("sigma_t", 2.5)),
-    "walks of two widths": (
-        {"type": "layered", **WIDTHS, "base": BRUSHED},
-        ("alpha_v", 0.6),
+    "walks": Case({"type": "layered", **COAT, "base": GGX | {"alpha": 0.3}}, ("sigma_t", 2.5)),
+    "walks of two widths": Case({"type": "layered", **WIDTHS, "base": BRUSHED}, ("alpha_v", 0.6)),
+    "walks of coloured widths": Case(
+        {"type": "layered", "alpha": color(0.05, 0.2, 0.6), "base": BRUSHED}, ("sigma_t", 0.5)
     ),
-    "walks of coloured widths": (
-        {"type": "layered", "alpha": color(0.05, 0.2, 0.6), "base": BRUSHED},
-        ("sigma_t", 0.5),
+    "walks into a lower index": Case(
+        {"type": "layered", **COAT, "int_ior": 0.8, "base": {"type": "diffuse"}}, ("g", 0.6)
     ),
-    "walks into a lower index": (
-        {"type": "layered", **COAT, "int_ior": 0.8, "base": {"type": "diffuse"}},
-        ("g", 0.6),
+    "walks into a body": Case({"type": "layered", **BODY}, ("sigma_t", 2.5), 1.5),
+    "networks": Case(
+        {"type": "neural_layered", **COAT, "base": GGX | {"alpha": 0.3}}, ("alpha", 0.4)
     ),
-    "networks": ({"type": "neural_layered", **COAT, "base": GGX | {"alpha": 0.3}}, ("alpha", 0.4)),
-    "networks of two widths": (
-        {"type": "neural_layered", **WIDTHS, "base": BRUSHED},
-        ("rotation", 70.0),
+    "networks of two widths": Case(
+        {"type": "neural_layered", **WIDTHS, "base": BRUSHED}, ("rotation", 70.0)
     ),
-    "saved codes": ({"type": "neural_brdf"}, None),
-    "measured table": ({"type": "measured_brdf"}, None),
-    "openpbr": (
-        {"type": "openpbr", "base_metalness": 0.4, "specular_roughness_anisotropy": 0.6},
+    "networks over a texture": Case({"type": "neural_layered"}),
+    "tables of a body": Case({"type": "neural_layered", **BODY}, ("sigma_t", 2.5), 1.5),
+    "saved codes": Case({"type": "neural_brdf"}),
+    "measured table": Case({"type": "measured_brdf"}),
+    "openpbr": Case(
+        OPENPBR | {"base_metalness": 0.4, "specular_roughness_anisotropy": 0.6},
         ("specular_roughness", 0.5),
     ),
-    "openpbr under walks": (
-        {
-            "type": "openpbr",
-            "base_metalness": 1.0,
-            "coat_weight": 0.7,
-            "reference": True,
-            "energy_compensation": False,
-        },
+    "openpbr under walks": Case(
+        OPENPBR
+        | {"base_metalness": 1.0, "coat_weight": 0.7}
+        | {"reference": True, "energy_compensation": False},
         ("coat_weight", 0.4),
     ),
-    "openpbr under networks": (
-        {"type": "openpbr", "coat_weight": 0.5, "coat_roughness": 0.4, "fuzz_weight": 0.5},
-        None,
+    "openpbr under networks": Case(
+        OPENPBR | {"coat_weight": 0.5, "coat_roughness": 0.4, "fuzz_weight": 0.5}
+    ),
+    "openpbr pane": Case(
+        OPENPBR
+        | {"geometry_thin_walled": True, "transmission_weight": 1.0}
+        | {"coat_weight": 1.0, "coat_roughness": 0.5, "specular_roughness": 0.4},
+        across=1.0,
     ),
 }
 
 WHITE = {"alpha": 0.5, "energy_compensation": True, "base": {"type": "diffuse", "reflectance": 1.0}}
 LOOK = {"type": "layered", "body": 0.4, "thickness": 1.5, "base": {"type": "diffuse"}}
-BODY = {"type": "layered", **COAT, "int_ior": 1.3}
-GLASS = {"type": "roughdielectric", "distribution": "ggx", "ext_ior": 1.0}
 
 
 def blended(sigma_t: float) -> dict:
@@ -92,14 +105,9 @@ UPDATES = {
     "an appearance": (LOOK, {"thickness.value": 0.5}, LOOK | {"thickness": 0.5}),
     "a coat in a blend": (blended(0.2), {"bottom.bsdf_0.sigma_t.value": 1.0}, blended(1.0)),
     "a body of glass": (
-        BODY | {"base": GLASS | {"int_ior": 1.5, "alpha": 0.2}},
+        {"type": "layered", **BODY},
         {"bottom.eta": 1.7, "bottom.alpha.value": 0.4},
-        BODY | {"base": GLASS | {"int_ior": 1.7, "alpha": 0.4}},
-    ),
-    "tables of a slab": (
-        {"type": "neural_layered", "alpha": 0.02},
-        {"sigma_t.value": 1.0},
-        {"type": "neural_layered", "alpha": 0.02, "sigma_t": 1.0},
+        {"type": "layered", **BODY, "base": GLASS | {"int_ior": 1.7, "alpha": 0.4}},
     ),
 }
 
@@ -109,13 +117,18 @@ STOCHASTIC = [name for name in CASES if "walks" in name]
 #: One case for each plugin, and for both ways in which `openpbr` has a coat.
 EACH = ("walks", "networks", "saved codes", "measured table", "openpbr", "openpbr under walks")
 
-#: Compiling the case of all OpenPBR's parts takes as long as that of all others.
-LONGEST = "openpbr under networks"
+#: Compiling the case of all OpenPBR's parts takes as long as that of all others; those of surfaces
+#: that transmit light are in the first tier elsewhere.
+LATER = [name for name, case in CASES.items() if case.across] + ["openpbr under networks"]
 
-every_plugin = pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=pytest.mark.slow) if name == LONGEST else name for name in CASES],
-)
+
+def plugins_of(first):
+    """Parameters of a law of all plugins, of which the first tier has some."""
+    rest = [pytest.param(name, marks=pytest.mark.slow) for name in CASES if name not in first]
+    return pytest.mark.parametrize("name", [*(name for name in CASES if name in first), *rest])
+
+
+every_plugin, each_plugin = plugins_of(CASES.keys() - LATER), plugins_of(EACH)
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +141,13 @@ def describe(networks, model, merl_file, tmp_path_factory):
         "saved codes": {"weights": str(networks), "filename": str(path)},
         "measured table": {"filename": str(merl_file)},
     }
-    return lambda name: CASES[name][0] | extra.get(name, {})
+
+    def described(name: str) -> dict:
+        if name == "networks over a texture":  # each load needs a bitmap of its own
+            extra[name] = {"base": {"type": "diffuse", "reflectance": strip(0.02, 0.9)}}
+        return CASES[name].described | extra.get(name, {})
+
+    return described
 
 
 @pytest.fixture(scope="module")
@@ -145,20 +164,31 @@ def bsdf(rgb, describe, plugins, name):
     return plugins[name]
 
 
+def pairs(name: str, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Directions (N, 3) of all sides from which light comes to a case's plugin, or leaves it."""
+    wi, wo = above(count, seed, 0.1), above(count, seed + 1, 0.1)
+    return (wi, wo) if CASES[name].across is None else on_all_sides(wi, wo)
+
+
 @every_plugin
-def test_the_density_is_normalised_and_that_of_the_samples(bsdf, sampling, name):
-    sampling.check(bsdf, (40, 85), len(CASES))
+def test_the_density_is_normalised_and_that_of_the_samples(bsdf, name):
+    across = CASES[name].across
+    angles = (40, 85) if across is None else (40, 85, 110, 160)
+    sampling.check(bsdf, angles, len(CASES), across)
 
 
 @every_plugin
 def test_reciprocity(rgb, describe, bsdf, name):
-    """Up to rounding; of walks the means, within five standard errors of all pairs. OpenPBR's fuzz
-    is defined by one of the directions."""
-    wi, wo = above(200, 1, 0.1), above(200, 2, 0.1)
-    if "fuzz_weight" in CASES[name][0]:
+    """Of f over the square of the index on the side of wi. Up to rounding; of walks the means,
+    within five standard errors of all pairs. OpenPBR's fuzz is defined by one of the directions."""
+    if "fuzz_weight" in CASES[name].described:
         bsdf = rgb.load_dict(describe(name) | {"fuzz_weight": 0.0})
-    walks = name in STOCHASTIC
-    there, back = (walked(bsdf, *w, 1024 if walks else 1) for w in ((wi, wo), (wo, wi)))
+    both, walks = pairs(name, 200, 1), name in STOCHASTIC
+    there, back = (
+        np.abs(walked(bsdf, wi, wo, 1024 if walks else 1))
+        / np.where(wi[:, 2:] > 0, 1, (CASES[name].across or 1) ** 2)
+        for wi, wo in (both, both[::-1])
+    )
     if not walks:
         np.testing.assert_allclose(there, back, rtol=1e-4, atol=1e-6)
         return
@@ -169,14 +199,16 @@ def test_reciprocity(rgb, describe, bsdf, name):
 
 @every_plugin
 def test_no_direction_reflects_more_than_arrives(rgb, bsdf, name):
-    """The mean weight of samples, which is f cos / pdf of eval and pdf where f is no walk's."""
-    count = 1 << 14
+    """The mean weight of samples, which is f cos / pdf of eval and pdf where f is no walk's. Those
+    of importance are shares of power, also where light crosses into another index."""
+    count, two_sided = 1 << 14, CASES[name].across is not None
+    context = rgb.BSDFContext(rgb.TransportMode.Importance) if two_sided else rgb.BSDFContext()
     u = np.random.default_rng(3).random((3, count), np.float32)
-    for cosine in (1.0, 0.5, 0.1):
+    for cosine in (1.0, 0.5, 0.1, *((-0.8, -0.2) if two_sided else ())):
         wi = np.tile(np.float32([(1 - cosine**2) ** 0.5, 0, cosine]), (count, 1))
         si = probing.interaction(wi, np.full((count, 2), 0.3), np.arange(count))
-        sample, weight = bsdf.sample(rgb.BSDFContext(), si, rgb.Float(u[0]), rgb.Point2f(u[1:]))
-        f_cos, pdf = bsdf.eval_pdf(rgb.BSDFContext(), si, sample.wo)
+        sample, weight = bsdf.sample(context, si, rgb.Float(u[0]), rgb.Point2f(u[1:]))
+        f_cos, pdf = bsdf.eval_pdf(context, si, sample.wo)
         drawn, light = sample.pdf.numpy() > 0, weight.numpy()
         # The density at a drawn direction depends on the direction's last digits.
         np.testing.assert_allclose(pdf.numpy()[drawn], sample.pdf.numpy()[drawn], rtol=0.02)
@@ -187,7 +219,7 @@ def test_no_direction_reflects_more_than_arrives(rgb, bsdf, name):
         assert (light >= 0).all() and (mean <= 1.005 + 5 * error).all()
 
 
-@every_plugin
+@pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.across is None])
 def test_nothing_passes_below_the_horizon(rgb, bsdf):
     up = above(64, 4, 0.1)
     down = up * np.float32([1, 1, -1])
@@ -195,6 +227,53 @@ def test_nothing_passes_below_the_horizon(rgb, bsdf):
         si = probing.interaction(wi, np.full((64, 2), 0.3))
         f_cos, pdf = bsdf.eval_pdf(rgb.BSDFContext(), si, rgb.Vector3f(wo.T.copy()))
         assert not f_cos.numpy().any() and not pdf.numpy().any()
+
+
+def values(bsdf, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """f cos (N, 3) by `eval_pdf`, each pair with random numbers of its own, in a texel's middle."""
+    si = probing.interaction(wi, np.full((len(wi), 2), 0.25), np.arange(len(wi)))
+    return bsdf.eval_pdf(mi.BSDFContext(), si, vector(wo))[0].numpy().T
+
+
+@each_plugin
+def test_wrappers_change_nothing(rgb, bsdf, name):
+    """Where they are read; the same random numbers give the same walks."""
+    other = {"type": "roughdielectric"} if CASES[name].across else {"type": "diffuse"}
+    first, second = (strip(*w, filter_type="nearest") for w in ((0.0, 1.0), (1.0, 0.0)))
+    wrappers = {
+        "normalmap": {"normalmap": strip([0.5, 0.5, 1.0]), "inner": bsdf},
+        "bumpmap": {"map": strip(0.5), "inner": bsdf},
+        "mask": {"opacity": 1.0, "inner": bsdf},
+        "blendbsdf": {"weight": first, "one": bsdf, "two": other},
+        "twosided": {"inner": bsdf},
+    }
+    if CASES[name].across:
+        del wrappers["twosided"]
+    expected = values(bsdf, *pairs(name, 36, 3))
+    second = {"type": "blendbsdf", "weight": second, "one": other, "two": bsdf}
+    for described in (second, *({"type": kind} | x for kind, x in wrappers.items())):
+        found = values(rgb.load_dict(described), *pairs(name, 36, 3))
+        np.testing.assert_allclose(found, expected, 1e-4, 1e-7, err_msg=described["type"])
+
+
+@each_plugin
+def test_calls_agree(rgb, bsdf, name):
+    """`eval`, one lane, and a loop that is recorded give the value of `eval_pdf`."""
+    (wi, wo), context = pairs(name, 36, 3), rgb.BSDFContext()
+    expected, out = values(bsdf, wi, wo)[:, 0], vector(wo)
+    si = probing.interaction(wi, np.full((len(wi), 2), 0.25), np.arange(len(wi)))
+    np.testing.assert_allclose(bsdf.eval(context, si, out)[0].numpy(), expected, rtol=1e-5)
+
+    def add(index, total):
+        return index + 1, total + bsdf.eval(context, si, out)[0]
+
+    start = rgb.UInt32(0), dr.zeros(rgb.Float, len(wi))
+    _, total = dr.while_loop(start, lambda index, total: index < 2, add)
+    np.testing.assert_allclose(total.numpy(), 2 * expected, rtol=1e-5)
+    for row in (0, len(wi) - 1):
+        si = probing.interaction(wi[row : row + 1], np.full((1, 2), 0.25), row)
+        single = bsdf.eval(context, si, rgb.Vector3f(wo[row].tolist()))[0].numpy()
+        np.testing.assert_allclose(single, expected[row], rtol=1e-4)
 
 
 def test_a_scene_is_rendered_while_a_plugin_is_loaded(rgb, describe, monkeypatch):
@@ -213,15 +292,13 @@ def test_a_scene_is_rendered_while_a_plugin_is_loaded(rgb, describe, monkeypatch
     np.testing.assert_array_equal(pictures[0], rgb.render(scene, spp=1).numpy())
 
 
-@pytest.mark.parametrize(
-    "name", [*(name for name, (_, change) in CASES.items() if change), *UPDATES]
-)
+@pytest.mark.parametrize("name", [*(name for name, case in CASES.items() if case.change), *UPDATES])
 def test_an_updated_plugin_is_one_that_is_loaded_so(rgb, describe, name):
     """OpenPBR's tables for any parameter are coarser, by 1 %, than those of a number."""
     if name in UPDATES:
         first, changes, second = UPDATES[name]
     else:
-        first, (end, value) = describe(name), CASES[name][1]
+        first, (end, value) = describe(name), CASES[name].change
         changes, second = {f"{end}.value": value}, first | {end: value}
     wi, wo = above(64, 5, 0.1), above(64, 6, 0.1)
     wo[::4, 2] *= -1  # transmitted
@@ -247,7 +324,7 @@ def special_pairs() -> tuple[np.ndarray, np.ndarray]:
     return tuple(np.concatenate(side) for side in zip(*pairs, strict=True))
 
 
-@pytest.mark.parametrize("name", [name for name in CASES if name not in (*STOCHASTIC, LONGEST)])
+@pytest.mark.parametrize("name", [name for name in CASES if name not in (*STOCHASTIC, *LATER)])
 def test_derivatives_by_directions_are_finite(rgb, bsdf):
     """Walks have none."""
     wi, wo = special_pairs()
@@ -261,9 +338,7 @@ def test_derivatives_by_directions_are_finite(rgb, bsdf):
         assert np.isfinite(dr.grad(end).numpy()).all()
 
 
-@pytest.mark.parametrize(
-    "name", [name if name in EACH else pytest.param(name, marks=pytest.mark.slow) for name in CASES]
-)
+@each_plugin
 def test_every_variant_renders(describe, plugins, name):
     """In this order, because a class must not outlive its variant; and two of a kind, which Mitsuba
     must not mix up."""

@@ -113,6 +113,13 @@ SIDES = "; give texels per side, at most 8192"
         (CODES | {"filename": "nowhere.safetensors"}, "FileError.*nowhere.safetensors"),
         (MEASURED, "measured_brdf has no filename; give a MERL or RGL"),
         (MEASURED | {"filename": "none.binary"}, "there is no file"),
+        ({"type": "layered", "energy_compensation": True}, "needs an opaque bottom; leave it"),
+        ({"type": "openpbr", "reference": "yes"}, "reference is 'yes'; choose one of neural_layer"),
+        ({"type": "openpbr", "unsupported": "yes"}, 'unsupported is "yes"'),
+        (
+            {"type": "openpbr", "emission_luminance": 1.0},
+            "give its shape the emitter 'openpbr_emission'",
+        ),
     ],
 )
 def test_mistakes_of_one_plugin(rgb, description, sentence):
@@ -134,19 +141,18 @@ def strangers(mi) -> dict[str, dict]:
     }
 
 
-def test_over_unknown_bottoms_textures_are_over_uv(rgb, networks):
-    """Other bottoms take values of their parameters, wherever these are given."""
+def test_textures_that_are_not_over_uv(rgb, networks, tmp_path):
+    """Bottoms whose parameters are known have them too; the walk checks those beside them."""
     over_uv = {"type": "checkerboard"}
     for what, texture in strangers(rgb).items():
         for below, coat in ((texture, {}), (over_uv, {"alpha": texture})):
             base = bottom("layered", inside=bottom(), sigma_t=below)
             with pytest.raises(RuntimeError, match=f"depends on {what}.*, but the nested '"):
                 load(rgb, networks, "neural_layered", base=base, **coat)
-
-
-def test_files_are_over_uv(rgb, networks, tmp_path):
-    attribute = {"type": "mesh_attribute", "name": "vertex_value"}
-    bsdf = load(rgb, networks, "neural_layered", alpha=attribute)
+        load(rgb, networks, "layered", alpha=texture, int_ior=texture)
+        with pytest.raises(RuntimeError, match="layered: g is 1; it must be"):
+            load(rgb, networks, "layered", alpha=texture, int_ior=texture, g=1.0)
+    bsdf = load(rgb, networks, "neural_layered", alpha=texture)
     with pytest.raises(ParameterError, match="depends on a mesh attribute.*, but a file has texel"):
         bsdf.save(tmp_path / "coat.safetensors")
 
@@ -159,13 +165,6 @@ def test_normal_maps_in_bottoms_are_refused(rgb, networks, kind):
         with pytest.raises(RuntimeError, match=f"contains a '{kind}', and codes have no normals"):
             load(rgb, networks, "neural_layered", base=base)
         load(rgb, networks, "layered", base=base)
-
-
-def test_the_walk_checks_parameters_beside_textures_not_over_uv(rgb, networks):
-    for texture in strangers(rgb).values():
-        load(rgb, networks, "layered", alpha=texture, int_ior=texture)
-        with pytest.raises(RuntimeError, match="layered: g is 1; it must be"):
-            load(rgb, networks, "layered", alpha=texture, int_ior=texture, g=1.0)
 
 
 @pytest.mark.parametrize("name", (*register.PLUGINS.bsdfs, *PLUGINS.bsdfs, *PLUGINS.emitters))

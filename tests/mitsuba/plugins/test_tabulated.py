@@ -1,15 +1,15 @@
-"""Materials with tables are rendered as they are evaluated in NumPy."""
+"""Materials with tables are rendered as they are evaluated in NumPy, also under coats."""
 
 import drjit as dr
 import numpy as np
 import pytest
+from tests.directions import pairs_above
 from tests.mitsuba.probes import f, update, vector
-from tests.untrained import untrained
 
+import urushi
 from urushi.core.table import SHAPE
 from urushi.material import Material
 from urushi.mitsuba.reading import probing
-from urushi.nets import weights
 from urushi.nets.weights import Model
 
 
@@ -19,11 +19,6 @@ def random_table(seed: int) -> np.ndarray:
     slopes = rng.normal(size=(3, 3))
     nodes = np.stack(np.meshgrid(*(np.linspace(0, 1, n) for n in SHAPE), indexing="ij"), axis=-1)
     return nodes @ slopes + 0.1 * rng.normal(size=(*SHAPE, 3)) - 1
-
-
-@pytest.fixture(scope="module")
-def small() -> Model:
-    return untrained(2)
 
 
 def materials(model: Model) -> list[Material]:
@@ -42,48 +37,76 @@ def materials(model: Model) -> list[Material]:
     return [*made, Material(made[0].latents[:1], model, made[0].table[..., :1])]
 
 
-def loaded(mi, material, folder):
-    """The plugin of a saved material and the networks in a file."""
-    weights.save(folder / "weights", material.model.arch, material.model.params, {})
-    material.save(folder / "material")
-    paths = {"filename": str(folder / "material"), "weights": str(folder / "weights")}
-    return mi.load_dict({"type": "neural_brdf", **paths})
+@pytest.fixture
+def loaded(rgb, networks, tmp_path):
+    """A function: the plugin of a material, which is saved."""
+
+    def load(material):
+        path = tmp_path / "material"
+        material.save(path)
+        described = {"type": "neural_brdf", "filename": str(path), "weights": str(networks)}
+        return rgb.load_dict(described)
+
+    return load
 
 
-def test_plugins_evaluate_as_numpy_does(rgb, small, random_directions, tmp_path):
-    wi, wo = random_directions(500, 1, 0.05), random_directions(500, 2, 0.05)
+@pytest.fixture(scope="module")
+def pairs():
+    wi, wo = pairs_above(500, 1, 0.05)
     wo[:100] = wi[:100] * [-1, -1, 1]
-    for material in materials(small):
-        found = f(loaded(rgb, material, tmp_path), wi, wo)
-        expected = np.broadcast_to(material.f(wi, wo), found.shape)
+    return wi, wo
+
+
+def test_plugins_evaluate_as_numpy_does(loaded, model, pairs):
+    for material in materials(model):
+        found = f(loaded(material), *pairs)
+        expected = np.broadcast_to(material.f(*pairs), found.shape)
         np.testing.assert_allclose(found, expected, rtol=2e-3)
 
 
-def test_saved_again_to_the_byte(rgb, small, tmp_path):
-    loaded(rgb, materials(small)[1], tmp_path).save(tmp_path / "again")
+def test_saved_again_to_the_byte_and_edited(rgb, loaded, model, pairs, tmp_path):
+    """Edited codes replace the table."""
+    material = materials(model)[1]
+    bsdf = loaded(material)
+    bsdf.save(tmp_path / "again")
     assert (tmp_path / "again").read_bytes() == (tmp_path / "material").read_bytes()
-
-
-def test_edited_codes_replace_them(rgb, small, random_directions, tmp_path):
-    material = materials(small)[1]
-    bsdf = loaded(rgb, material, tmp_path)
     edited = np.array(material.latents)
     edited[:, -1] += np.float32(0.1)
     update(bsdf, {"latents": rgb.TensorXf(edited)})
-    wi, wo = random_directions(100, 1, 0.05), random_directions(100, 2, 0.05)
-    of_codes = Material(edited, small).f(wi, wo)
     # The plugin's table of the codes' rest is in single precision.
-    np.testing.assert_allclose(f(bsdf, wi, wo), of_codes, rtol=1e-3)
+    np.testing.assert_allclose(f(bsdf, *pairs), Material(edited, model).f(*pairs), rtol=1e-3)
 
 
-def test_frozen_functions_tell_materials_apart(rgb, small, random_directions, tmp_path):
-    codes = materials(small)[0].latents
-    made = [Material(codes, small, random_table(seed)) for seed in (5, 6)]
-    bsdfs = [loaded(rgb, material, tmp_path) for material in made]
-    wi, wo = random_directions(64, 1, 0.05), random_directions(64, 2, 0.05)
-
+def test_frozen_functions_tell_materials_apart(rgb, loaded, model, pairs):
+    codes, (wi, wo) = materials(model)[0].latents, pairs
     frozen = dr.freeze(lambda bsdf, si, wo: bsdf.eval(rgb.BSDFContext(), si, wo))
-    si = probing.interaction(wi, np.zeros((64, 2)))
-    for bsdf, material in zip(bsdfs, made, strict=True):
-        found = (frozen(bsdf, si, vector(wo)).numpy() / wo.T[2]).T
-        np.testing.assert_allclose(found, material.f(wi, wo), rtol=2e-3)
+    si = probing.interaction(wi, np.zeros((len(wi), 2)))
+    made = [Material(codes, model, random_table(seed)) for seed in (5, 6)]
+    bsdfs = [loaded(material) for material in made]
+    for material, bsdf in zip(made, bsdfs, strict=True):
+        found = frozen(bsdf, si, vector(wo)).numpy() / wo.T[2]
+        np.testing.assert_allclose(found.T, material.f(wi, wo), rtol=2e-3)
+
+
+@pytest.mark.slow
+def test_coats_over_measured_saved_and_coated_materials(rgb, merl_file, pairs, tmp_path):
+    """As in Python; tables of coats are computed from those below."""
+    medium, interface = {"sigma_t": (0.1, 0.4, 1.2)}, urushi.dielectric(0.1, 1.5)
+    measured = urushi.encode(urushi.load_measured(merl_file))
+    measured.save(tmp_path / "bare")
+    coated = urushi.layer(interface, measured, **medium)
+
+    def plugin(bottom):
+        described = {"type": "neural_layered", "alpha": 0.1, "int_ior": 1.5, "ext_ior": 1.0}
+        colour = {"type": "rgb", "value": list(medium["sigma_t"])}
+        return rgb.load_dict(described | {"sigma_t": colour, "base": bottom})
+
+    bsdf = plugin({"type": "measured_brdf", "filename": str(merl_file)})
+    over_file = plugin({"type": "neural_brdf", "filename": str(tmp_path / "bare")})
+    assert "with a table" in str(bsdf)
+    assert bsdf.latents.material == over_file.latents.material == coated
+    assert plugin(over_file).latents.material == urushi.layer(interface, coated, **medium)
+    np.testing.assert_allclose(f(bsdf, *pairs), coated.f(*pairs), rtol=2e-3)
+    bsdf.save(tmp_path / "a")
+    again = rgb.load_dict({"type": "neural_brdf", "filename": str(tmp_path / "a")})
+    np.testing.assert_array_equal(f(again, *pairs), f(bsdf, *pairs))
