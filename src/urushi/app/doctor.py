@@ -51,20 +51,6 @@ def examine() -> list[Finding]:
     ]
 
 
-def report(findings: Sequence[Finding]) -> str:
-    """The findings as lines of text, with a closing sentence."""
-    width = max(len(finding.name) for finding in findings)
-    lines = []
-    for finding in findings:
-        lines.append(f"{finding.name:<{width}}  {finding.found}")
-        if finding.problem:
-            kind = "PROBLEM" if finding.essential else "note"
-            lines.append(f"{'':<{width}}  {kind}: {finding.problem}")
-    wrong = [finding.name for finding in findings if finding.problem and finding.essential]
-    lines.append(f"\nProblems: {', '.join(wrong)}." if wrong else "\nAll essential parts work.")
-    return "\n".join(lines)
-
-
 def _package(
     name: str, oldest: tuple[int, int] = (0, 0), below: tuple[int, int] = (99, 0)
 ) -> Finding:
@@ -177,5 +163,12 @@ class Doctor:
 
     def run(self) -> int:
         findings = examine()
-        print(report(findings))
-        return 1 if any(finding.essential and finding.problem for finding in findings) else 0
+        width = max(len(finding.name) for finding in findings)
+        for finding in findings:
+            print(f"{finding.name:<{width}}  {finding.found}")
+            if finding.problem:
+                kind = "PROBLEM" if finding.essential else "note"
+                print(f"{'':<{width}}  {kind}: {finding.problem}")
+        wrong = [finding.name for finding in findings if finding.problem and finding.essential]
+        print(f"\nProblems: {', '.join(wrong)}." if wrong else "\nAll essential parts work.")
+        return 1 if wrong else 0

@@ -48,7 +48,7 @@ class Encode:
     """Weights file. Default: the shipped ones."""
 
     def run(self) -> int:
-        from urushi.material.layer import encoded
+        from urushi.material.layer import encoded, warn_of
 
         targets, several, failures = self.targets(), len(self.sources) > 1, 0
         table = True if self.table else False if self.no_table else None
@@ -61,10 +61,9 @@ class Encode:
                 if not several:
                     raise
                 failures += 1
-                _print_to_stderr(str(error))
+                tqdm.write(f"urushi: {error}", file=sys.stderr)  # above the progress bar
                 continue
-            for sentence in deviations.warnings() if deviations else ():
-                _print_to_stderr(f"{name}: {sentence}")
+            warn_of(deviations, name)
             material.save(target)
             tqdm.write(str(target))
         if failures:
@@ -152,11 +151,6 @@ def choose(bsdfs: Mapping[str, Any], name: str | None, path: Path) -> Any:
     return bsdfs[name]
 
 
-def _print_to_stderr(sentence: str) -> None:
-    """Print to standard error, above the progress bar."""
-    tqdm.write(f"urushi: {sentence}", file=sys.stderr)
-
-
 @dataclass(frozen=True)
 class Layer:
     """Coat a material with a rough dielectric interface and a medium.
@@ -207,8 +201,9 @@ class Layer:
         import urushi
 
         def given(*names: str) -> dict[str, Any]:
+            """One value as a number; other counts than one and three are refused later."""
             values = {name: getattr(self, name) for name in names}
-            return {name: x if x is None else scalar_or_rgb(x) for name, x in values.items()}
+            return {k: x[0] if x is not None and len(x) == 1 else x for k, x in values.items()}
 
         coated = urushi.layer(
             urushi.dielectric(**given("alpha", "alpha_u", "alpha_v", "ior", "eta")),
@@ -229,8 +224,3 @@ def read_material(text: str, weights: str | None) -> "Material":
         return urushi.load(text, weights)
     source = describe(text) if is_description(text) else urushi.load_measured(text)
     return urushi.encode(source, weights)
-
-
-def scalar_or_rgb(values: tuple[float, ...]) -> Any:
-    """One value as a number; several unchanged: the range checks refuse other counts than three."""
-    return values[0] if len(values) == 1 else values

@@ -65,7 +65,7 @@ PAGE_BOTTOMS = ("conductor", "dielectric", "diffuse")
 class First(NamedTuple):
     """The first material of the page."""
 
-    material: dict[str, Any]  # as the page reads it; of `cards_of`, `first_of` or `texels_of`
+    material: dict[str, Any]  # as the page reads it; of `cards_of` or `first_of`, or texels
     texture: bytes | None = None  # the content of the file of its texture of codes, if it has one
     table: bytes | None = None  # the half numbers of its table of f, if it has one
 
@@ -226,12 +226,6 @@ def first_of(material: Material, name: str) -> First:
     named = {"table": f"{zlib.crc32(table):08x}", "besideLobe": material.beside_lobe}
     shown["bottom"] |= named
     return First(shown, table=table)
-
-
-def texels_of(texture: bytes, name: str) -> First:
-    """A texture of codes as the page shows it; texture: the content of its file."""
-    bottom = {"kind": "texels", "texture": f"{zlib.crc32(texture):08x}"}
-    return First({"name": name, "bottom": bottom, "coats": []}, texture)
 
 
 def cards_of(described: Any) -> dict[str, Any] | None:

@@ -5,6 +5,7 @@ import gzip
 import mimetypes
 import tempfile
 import webbrowser
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -128,12 +129,14 @@ def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First
 
 def _first_texture(path: Path, name: str, weights: str | None) -> "First":
     """The texture of codes of a file, of the weights that the page has."""
-    from urushi.app.page_files import texels_of
+    from urushi.app.page_files import First
     from urushi.nets.weights import find
     from urushi.textures.store import read_texture
 
     read_texture(path, find(weights))  # refuses textures that the page could not read
-    return texels_of(path.read_bytes(), name)
+    texture = path.read_bytes()
+    bottom = {"kind": "texels", "texture": f"{zlib.crc32(texture):08x}"}
+    return First({"name": name, "bottom": bottom, "coats": []}, texture)
 
 
 def write(files: dict[str, bytes], folder: Path) -> None:
@@ -161,11 +164,8 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
     "Vary": "Accept-Encoding",
+    "Cache-Control": "no-cache",
 }
-
-#: What a browser does with an answer that it has: asks whether it is still right; or, where the
-#: address names the version of the content, uses it.
-ASK, KEEP = "no-cache", "private, max-age=31536000, immutable"
 
 TYPES = {".js": "text/javascript", ".svg": "image/svg+xml", ".json": "application/json"}
 
@@ -174,19 +174,15 @@ class PageServer(ThreadingHTTPServer):
     """Serves files by their paths, "index.html" at the root, and nothing else.
 
     Requests that name another host are refused, so that a foreign page cannot read the files by a
-    name that it points to this machine. Files are compressed by gzip for browsers that accept it,
-    and answered by 304 if the browser has them.
+    name that it points to this machine. Files are compressed by gzip for browsers that accept it.
     """
 
     daemon_threads = True
 
     def __init__(self, files: Mapping[str, bytes], port: int = 0):
         """Bind to the port, 0: a free one; OSError if it is taken."""
-        from urushi.app.page_files import version
-
         super().__init__((HOST, port), _Handler)
         self.files = files
-        self.versions = {path: version(content) for path, content in files.items()}
         self.compressed = cache(lambda path: gzip.compress(files[path], mtime=0))
 
     @property
@@ -209,8 +205,7 @@ class _Handler(BaseHTTPRequestHandler):
         if self.headers.get("Host") not in (f"{HOST}:{port}", f"localhost:{port}"):
             self.send_error(HTTPStatus.FORBIDDEN)
             return
-        path, _, query = self.path.partition("?")
-        path = path.removeprefix("/") or "index.html"
+        path = self.path.partition("?")[0].removeprefix("/") or "index.html"
         if path not in self.server.files:
             self.send_error(HTTPStatus.NOT_FOUND)
             return
@@ -218,20 +213,15 @@ class _Handler(BaseHTTPRequestHandler):
         if "gzip" in self.headers.get("Accept-Encoding", ""):
             content = self.server.compressed(path)
             headers["Content-Encoding"] = "gzip"
-        known = self.server.versions[path]
-        headers["ETag"] = f'W/"{known}"'
-        headers["Cache-Control"] = KEEP if query == known else ASK
-        is_known = headers["ETag"] == self.headers.get("If-None-Match")
-        self.send_response(HTTPStatus.NOT_MODIFIED if is_known else HTTPStatus.OK)
-        if not is_known:
-            suffix = path[path.rfind(".") :]
-            kind = TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "application/octet-stream"
-            kind += "; charset=utf-8" * kind.startswith("text/")
-            headers |= {"Content-Type": kind, "Content-Length": str(len(content))}
+        suffix = path[path.rfind(".") :]
+        kind = TYPES.get(suffix) or mimetypes.guess_type(path)[0] or "application/octet-stream"
+        kind += "; charset=utf-8" * kind.startswith("text/")
+        headers |= {"Content-Type": kind, "Content-Length": str(len(content))}
+        self.send_response(HTTPStatus.OK)
         for name, value in headers.items():
             self.send_header(name, value)
         self.end_headers()
-        if with_body and not is_known:
+        if with_body:
             with contextlib.suppress(ConnectionError):  # the browser has gone away
                 self.wfile.write(content)
 
