@@ -37,16 +37,13 @@ def start(document):
 
 
 def test_a_document_holds_the_files_and_asks_for_none(untrained):
+    """Its policy allows its own script and style."""
     files = page_files.page_files(weights.default_model(), None)
     document = page_document(files)
     assert not re.search(r"<(script|link|img)[^>]*\s(src|href)=", document)
     for path, content in packed(document).items():
         assert content == files[path]
     assert {"weights.safetensors", "assets/worker.js", "shaders/glsl.txt"} <= set(packed(document))
-
-
-def test_its_policy_allows_its_own_script_and_style(untrained):
-    document = page_document(page_files.page_files(weights.default_model(), None))
     policy = re.search(r'content="(default-src[^"]*)"', document)[1]
     for kind, pattern in (
         ("script", r'<script type="module">(.*)</script>'),
@@ -55,31 +52,23 @@ def test_its_policy_allows_its_own_script_and_style(untrained):
         text = re.search(pattern, document, re.DOTALL)[1]
         digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
         assert f"{kind}-src 'sha256-{digest}';" in policy
-    assert "connect-src" not in policy  # nothing, by default-src
-    assert policy.startswith("default-src 'none';")
+    assert policy.startswith("default-src 'none';") and "connect-src" not in policy
+    for name, content in ("index.html", b"<!doctype html>"), ("assets/index.js", b"'</script>'"):
+        with pytest.raises(FileError, match="make viewer"):
+            page_document(files | {name: content})
 
 
-def test_another_form_of_the_page_is_refused(untrained):
-    files = page_files.page_files(weights.default_model(), None)
-    with pytest.raises(FileError, match="make viewer"):
-        page_document(files | {"index.html": b"<!doctype html>"})
-    with pytest.raises(FileError, match="make viewer"):
-        page_document(files | {"assets/index.js": b"'</script>'"})
-
-
-def test_the_command_writes_one_document(untrained, tmp_path, capsys):
+def test_the_command_writes_a_document_and_a_notebook_shows_it(untrained, tmp_path, capsys):
+    """In a frame."""
     path = tmp_path / "clay.html"
     assert cli.main(["view", "diffuse(0.5)", "-o", str(path)]) == 0
     assert capsys.readouterr().out == f"{path}\n"
-    assert start(path.read_text())["bottom"] == {"kind": "diffuse", "reflectance": 0.5}
-
-
-def test_a_notebook_shows_a_frame_with_the_document(untrained):
+    document = path.read_bytes().decode()
+    assert start(document)["bottom"] == {"kind": "diffuse", "reflectance": 0.5}
     page = urushi.show(urushi.diffuse(0.5), height=500)
     frame = re.fullmatch(r'<iframe ([^>]*)srcdoc="([^"]*)"></iframe>', page._repr_html_())
-    assert html.unescape(frame[2]) == page.document
+    assert html.unescape(frame[2]) == page.document == document
     assert 'height="500"' in frame[1]
-    assert start(page.document)["bottom"] == {"kind": "diffuse", "reflectance": 0.5}
 
 
 def test_a_material_is_shown_by_its_codes(untrained, tmp_path):
@@ -91,14 +80,11 @@ def test_a_material_is_shown_by_its_codes(untrained, tmp_path):
     assert read == shown | {"name": "gold"}
 
 
-def test_what_a_notebook_cannot_show(untrained):
-    model = weights.default_model()
+def test_what_a_notebook_cannot_show_and_what_the_page_has_no_cards_for(untrained):
+    """Two channels; more coats than cards, which become codes."""
     codes = np.tile(urushi.encode(urushi.diffuse(0.5)).latents[:1], (2, 1))
     with pytest.raises(ParameterError, match="has 2 channels"):
-        urushi.show(Material(codes, model))
-
-
-def test_more_coats_than_the_page_has_cards_for_become_codes(untrained):
+        urushi.show(Material(codes, weights.default_model()))
     many = urushi.diffuse(0.5)
     for _ in range(page_files.MOST_COATS + 1):
         many = urushi.coat(many)

@@ -83,30 +83,14 @@ def test_answers_are_compressed_for_browsers_that_accept_it(server):
     assert answer.headers["Vary"] == plain.headers["Vary"] == "Accept-Encoding"
 
 
-def test_a_browser_asks_again_only_where_the_address_has_no_version(server):
-    digest = hashlib.sha256(b"0").hexdigest()[:16]
-    kept, _ = request(server, f"/assets/page.js?{digest}")
-    assert "immutable" in kept.headers["Cache-Control"]
-    for path in ("/", "/assets/page.js", "/assets/page.js?0123456789abcdef"):
-        first, _ = request(server, path)
-        assert first.headers["Cache-Control"] == "no-cache"
-        again, body = request(server, path, If_None_Match=first.headers["ETag"])
-        assert (again.status, body) == (304, b"")
-        assert again.headers["ETag"] == first.headers["ETag"]
-        assert request(server, path, If_None_Match='W/"other"')[0].status == 200
+def test_the_built_page_has_the_servers_policy_and_says_that_it_needs_a_server():
+    """The page carries the policy for other hosts; frames can be forbidden by a server only.
 
-
-def test_the_policy_of_the_page_is_that_of_the_server():
-    """The page carries it for other hosts; frames can be forbidden by a server only."""
+    Browsers refuse scripts and styles of a folder; the style hides the sentence.
+    """
     text = (page_files.BUILT / "index.html").read_text()
-    carried = re.search(r'content="(default-src[^"]*)"', text)
-    assert carried is not None
-    assert f"{carried[1]}; frame-ancestors 'none'" == POLICY
-
-
-def test_a_page_that_is_opened_from_a_folder_says_that_it_needs_a_server():
-    """Browsers refuse scripts and styles of a folder there; the style hides the sentence."""
-    text = (page_files.BUILT / "index.html").read_text()
+    (carried,) = re.findall(r'content="(default-src[^"]*)"', text)
+    assert f"{carried}; frame-ancestors 'none'" == POLICY
     (sentence,) = re.findall(r'<p class="unserved">(.*?)</p>', text, re.DOTALL)
     assert "only from a web server" in sentence and "urushi view" in sentence
     style = (page_files.BUILT / "assets" / "index.css").read_text()
@@ -114,8 +98,11 @@ def test_a_page_that_is_opened_from_a_folder_says_that_it_needs_a_server():
 
 
 @pytest.mark.skipif(not VIEWER.is_dir(), reason="the page's sources are not here")
-def test_the_built_page_is_that_of_the_sources():
-    """After a change in `viewer`, `make viewer` builds the page anew. See `viewer/sources.ts`."""
+def test_the_built_page_is_that_of_the_sources_and_its_formulas_are_those_of_python():
+    """After a change in `viewer`, or of a formula, `make viewer` makes the page anew.
+
+    See `viewer/sources.ts` and `viewer/formulas.py`.
+    """
     paths = [path for name in ("src", "public") for path in (VIEWER / name).rglob("*")]
     paths += [VIEWER / name for name in ("index.html", "package-lock.json", "vite.config.ts")]
     digest = hashlib.sha256()
@@ -124,11 +111,6 @@ def test_the_built_page_is_that_of_the_sources():
         digest.update(name.encode() + b"\0" + files[name].read_bytes() + b"\0")
     built = (page_files.BUILT / "sources.txt").read_text().strip()
     assert built == digest.hexdigest()
-
-
-@pytest.mark.skipif(not VIEWER.is_dir(), reason="the page's sources are not here")
-def test_the_formulas_of_the_page_are_those_of_python():
-    """After a change of a formula, `make viewer` prints them anew. See `viewer/formulas.py`."""
     formulas = runpy.run_path(str(VIEWER / "formulas.py"))
     assert formulas["FILE"].read_text(encoding="utf-8") == formulas["text"]()
     library = formulas["LIBRARY_FILE"].read_text(encoding="utf-8")
@@ -172,29 +154,6 @@ def test_the_rows_of_a_basis_are_rounded_to_steps_of_their_ranges():
     assert (np.abs(found - np.delete(rows, 1, axis=1).T) < 0.51 * step).all()
 
 
-def test_shader_code_of_every_language_is_beside_the_page(untrained):
-    model = weights.default_model()
-    files = page_files.shader_files(model)
-    assert sorted(files) == [f"shaders/{language}.txt" for language in sorted(LANGUAGES)]
-    for content in files.values():
-        text = content.decode()
-        assert model.fingerprint in text
-        names = set(re.findall(r"\bcode_\d+_(?:red|green|blue)\b", text))
-        assert len(names) == 3 * model.arch.latent
-
-
-def test_a_description_becomes_cards():
-    text = "coat(coat(conductor(0.2, eta=0.2, k=3.0), sigma_t=(1, 2, 3), g=0.5), 0.05, eta=1.4)"
-    cards = view.first_material(text, None).material
-    bottom = cards["bottom"]  # its indices are those in air
-    assert (bottom["kind"], bottom["alpha"]) == ("conductor", 0.2)
-    assert (bottom["eta"], bottom["k"]) == pytest.approx((0.2, 3.0))
-    top, lower = cards["coats"]
-    assert (top["alpha"], top["ior"], top["sigmaT"]) == (0.05, pytest.approx(1.4 * 1.000277), 0.0)
-    assert lower["ior"] == 1.5046
-    assert (lower["sigmaT"], lower["g"]) == ((1.0, 2.0, 3.0), 0.5)
-
-
 @pytest.mark.parametrize(
     ("text", "bottom"),
     [
@@ -207,12 +166,18 @@ def test_a_description_becomes_cards():
         ("diffuse((0.1, 0.2, 0.3))", {"kind": "diffuse", "reflectance": (0.1, 0.2, 0.3)}),
     ],
 )
-def test_a_bottom_becomes_a_card(text, bottom):
-    assert view.first_material(text, None).material == {
-        "name": "Material",
-        "bottom": bottom,
-        "coats": [],
-    }
+def test_a_description_becomes_cards(text, bottom):
+    shown = {"name": "Material", "bottom": bottom, "coats": []}
+    assert view.first_material(text, None).material == shown
+    coated = f"coat(coat({text}, sigma_t=(1, 2, 3), g=0.5), 0.05, eta=1.4)"
+    cards = view.first_material(coated, None).material
+    assert cards["bottom"].pop("kind") == bottom["kind"]
+    for name, value in cards["bottom"].items():
+        assert value == pytest.approx(bottom[name])  # its indices are those in air
+    top, lower = cards["coats"]
+    assert (top["alpha"], top["ior"], top["sigmaT"]) == (0.05, pytest.approx(1.4 * 1.000277), 0.0)
+    assert lower["ior"] == 1.5046
+    assert (lower["sigmaT"], lower["g"]) == ((1.0, 2.0, 3.0), 0.5)
 
 
 def test_two_widths_become_cards_and_codes(untrained, tmp_path):
@@ -226,14 +191,6 @@ def test_two_widths_become_cards_and_codes(untrained, tmp_path):
     assert (shown["bottom"]["widths"], shown["rotation"]) == (2, -60)
     with pytest.raises(ParameterError, match="are for anisotropic materials; give --weights"):
         page_files.page_files(weights.anisotropic_model(), None)
-
-
-SCENE = """<scene version="3.0.0">
-    <shape type="sphere"><bsdf type="roughconductor" id="gold">
-        <string name="distribution" value="ggx"/><float name="alpha" value="0.3"/>
-    </bsdf></shape>
-    <shape type="sphere"><bsdf type="diffuse" id="clay"/></shape>
-</scene>"""
 
 
 def test_a_table_lies_beside_the_page(tmp_path):
@@ -252,20 +209,10 @@ def test_a_table_lies_beside_the_page(tmp_path):
     assert not bottom["besideLobe"]
 
 
-def test_a_bsdf_of_a_scene_becomes_codes(tmp_path, rgb):
-    path = tmp_path / "scene.xml"
-    path.write_text(SCENE)
-    shown = view.first_material(f"{path}#gold", None).material
-    assert (shown["name"], shown["bottom"]["kind"]) == ("gold", "codes")
-    latents = np.reshape(shown["bottom"]["latents"], (3, -1))
-    np.testing.assert_allclose(latents[:, 0], 0.3, rtol=1e-6)  # the lobe's width
-    with pytest.raises(ParameterError, match=r"has 2 BSDFs; select one by .*clay, gold"):
-        view.first_material(str(path), None)
-    with pytest.raises(ParameterError, match="has no BSDF 'tin'"):
-        view.first_material(f"{path}#tin", None)
-
-
-TEXTURED = """<scene version="3.0.0">
+SCENE = """<scene version="3.0.0">
+    <shape type="sphere"><bsdf type="roughconductor" id="gold">
+        <string name="distribution" value="ggx"/><float name="alpha" value="0.3"/>
+    </bsdf></shape>
     <shape type="sphere"><bsdf type="neural_layered" id="lacquer">
         <float name="alpha" value="0.1"/><integer name="resolution" value="8"/>
         <bsdf type="diffuse" name="bottom">
@@ -275,9 +222,17 @@ TEXTURED = """<scene version="3.0.0">
 </scene>"""
 
 
-def test_a_textured_bsdf_of_a_scene_becomes_a_texture(tmp_path, rgb):
+def test_a_bsdf_of_a_scene_becomes_codes_or_a_texture(tmp_path, rgb):
     path = tmp_path / "scene.xml"
-    path.write_text(TEXTURED)
+    path.write_text(SCENE)
+    shown = view.first_material(f"{path}#gold", None).material
+    assert (shown["name"], shown["bottom"]["kind"]) == ("gold", "codes")
+    latents = np.reshape(shown["bottom"]["latents"], (3, -1))
+    np.testing.assert_allclose(latents[:, 0], 0.3, rtol=1e-6)  # the lobe's width
+    with pytest.raises(ParameterError, match=r"has 2 BSDFs; select one by .*gold, lacquer"):
+        view.first_material(str(path), None)
+    with pytest.raises(ParameterError, match="has no BSDF 'tin'"):
+        view.first_material(f"{path}#tin", None)
     first = view.first_material(f"{path}#lacquer", None)
     name = f"{zlib.crc32(first.texture):08x}"
     assert first.material["bottom"] == {"kind": "texels", "texture": name}
@@ -321,6 +276,7 @@ def test_the_page_is_written_into_a_folder(untrained, tmp_path, capsys):
     listed = json.loads(re.search(r'id="versions">(.*?)</script>', document)[1])
     files = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     assert listed.keys() == files - {"index.html"}
+    assert {f"shaders/{language}.txt" for language in LANGUAGES} < files
     for path, version in (*links, *listed.items()):
         assert version == hashlib.sha256((folder / path).read_bytes()).hexdigest()[:16]
     assert re.search(r'rel="preload" as="fetch" crossorigin href="./weights', document)
