@@ -1,8 +1,8 @@
-"""The plugin `layered_belcour` against its model in NumPy, closed forms and its sampler."""
+"""The plugins `layered_belcour` and `layered_weidlich` against their models in NumPy; samples."""
 
 import numpy as np
 import pytest
-from research.rivals import belcour
+from research.rivals import belcour, weidlich
 from tests.mitsuba.probes import f
 
 import urushi
@@ -16,29 +16,36 @@ def rgb_value(*values: float) -> dict:
     return {"type": "rgb", "value": list(values)}
 
 
-def agree(found, expected) -> None:
-    """The plugin and the model: rounding, and a table of metals that is within 0.007."""
-    np.testing.assert_allclose(found, expected, rtol=0.01, atol=1e-5)
+BOTTOMS = {
+    "conductor": (GOLD, urushi.conductor(0.2, eta=0.2, k=3.9)),
+    "diffuse": (
+        {"type": "diffuse", "reflectance": rgb_value(0.9, 0.5, 0.1)},
+        urushi.diffuse((0.9, 0.5, 0.1)),
+    ),
+}
 
 
-@pytest.mark.parametrize("kind", ("conductor", "diffuse"))
-def test_values_are_the_models(rgb, random_directions, kind):
+@pytest.mark.parametrize(
+    ("model", "kind", "medium", "widths", "tolerance"),
+    [
+        # Rounding, and a table of metals that is within 0.007.
+        (belcour, "conductor", {"albedo": 0.6, "g": 0.4}, {"alpha": 0.4}, 0.01),
+        (belcour, "diffuse", {"albedo": 0.6, "g": 0.4}, {"alpha": 0.4}, 0.01),
+        (weidlich, "conductor", {}, {"alpha_u": 0.4, "alpha_v": 0.2}, 1e-3),
+    ],
+    ids=["belcour, metal", "belcour, diffuse", "weidlich"],
+)
+def test_values_are_the_models(rgb, random_directions, model, kind, medium, widths, tolerance):
+    """Of a coat, and of two, the upper one of a lower index."""
     wi, wo = (random_directions(3000, seed, 0.05) for seed in (0, 1))
-    bottoms = {
-        "conductor": (GOLD, urushi.conductor(0.2, eta=0.2, k=3.9)),
-        "diffuse": (
-            {"type": "diffuse", "reflectance": rgb_value(0.9, 0.5, 0.1)},
-            urushi.diffuse((0.9, 0.5, 0.1)),
-        ),
-    }
-    nested, described = bottoms[kind]
-    medium = {"albedo": 0.6, "g": 0.4}
-    plugin = COAT | medium | {"alpha": 0.1, "sigma_t": rgb_value(*COLOURS), "base": nested}
-    stack = urushi.coat(described, 0.1, 1.5, 0.6, COLOURS, 0.4)
-    agree(f(rgb.load_dict(plugin), wi, wo), belcour.f(stack, wi, wo))
-    below = plugin | {"int_ior": 1.2, "ext_ior": 0.8}
-    twice = COAT | {"alpha": 0.4, "int_ior": 0.8, "base": below}
-    agree(f(rgb.load_dict(twice), wi, wo), belcour.f(urushi.coat(stack, 0.4, 0.8), wi, wo))
+    nested, described = BOTTOMS[kind]
+    coat = COAT | {"type": f"layered_{model.__name__.rpartition('.')[2]}"}
+    plugin = coat | medium | {"alpha": 0.1, "sigma_t": rgb_value(*COLOURS), "base": nested}
+    stack = urushi.coat(described, 0.1, 1.5, **({"albedo": 0.0} | medium), sigma_t=COLOURS)
+    twice = coat | widths | {"int_ior": 0.8, "base": plugin | {"int_ior": 1.2, "ext_ior": 0.8}}
+    for bsdf, layers in (plugin, stack), (twice, urushi.coat(stack, eta=0.8, **widths)):
+        expected = model.f(layers, wi, wo)
+        np.testing.assert_allclose(f(rgb.load_dict(bsdf), wi, wo), expected, tolerance, 1e-5)
 
 
 def coats() -> list[dict]:
