@@ -5,6 +5,7 @@ import pytest
 from tests.untrained import untrained
 
 import urushi
+from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model, default_model
@@ -49,6 +50,20 @@ def material(model) -> Material:
 def trained() -> Model:
     """The networks that Urushi ships."""
     return default_model()
+
+
+def error(f, expected, wi, wo) -> np.ndarray:
+    """E of materials or values at pairs, of each channel if they have channels."""
+    f, expected = (x.f(wi, wo) if isinstance(x, Material) else x for x in (f, expected))
+    f, expected = np.broadcast_arrays(np.transpose(f), np.transpose(expected))
+    return stack_error(f, expected, wi[:, 2], wo[:, 2])
+
+
+def with_gain(model: Model, log_gain: float) -> Model:
+    """The model with a basis whose mean is higher by a logarithm."""
+    rows = model.params["basis.rows"].copy()
+    rows[:, 0] += np.float32(log_gain)
+    return Model.of(model.arch, dict(model.params) | {"basis.rows": rows}, {})
 
 
 def velvet(wi, wo):

@@ -4,40 +4,26 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.directions import at_cosines
+from tests.material.conftest import with_gain
 
 import urushi
 from urushi.checks import CoatParameters
 from urushi.core import quadrature
 from urushi.core.direction_sets import cosine_pairs
-from urushi.core.quadrature import directional_albedos
 from urushi.material import Material, encode, energy, layer
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.layer import layer_material
-from urushi.material.values import evaluate_source, material_from_values, required_pairs
+from urushi.material.values import evaluate_source, material_from_values
 from urushi.nets import lobe as lobes
-from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.weights import Model
-from urushi.walk import analytic
 
 #: None of the rule's angles is among these.
 COSINES = np.array([0.99, 0.88, 0.68, 0.45, 0.27, 0.15, 0.06, 0.025])
-WI = np.stack([np.sqrt(1 - COSINES**2), 0 * COSINES, COSINES], axis=-1).astype(np.float32)
+WI = at_cosines(COSINES)
 
 #: Excess of the albedo of shipped codes between the rule's angles.
 BETWEEN = 0.004
-
-
-@pytest.fixture(scope="module")
-def gaining(trained) -> Model:
-    """The shipped basis with a mean that is 1.3 times too high: its codes gain energy."""
-    rows = trained.params["basis.rows"].copy()
-    rows[:, 0] += np.float32(np.log(1.3))
-    return Model.of(trained.arch, dict(trained.params) | {"basis.rows": rows}, {})
-
-
-def true_albedo(description, wi):
-    """Directional albedo (N, 3) of a description by the fine rule."""
-    return directional_albedos(lambda *pairs: analytic.f(description, *pairs), wi)
 
 
 def code_albedos(model: Model, z: np.ndarray) -> np.ndarray:
@@ -87,17 +73,15 @@ def test_lossless_stacks_reflect_at_most_everything(bottom, trained):
         assert material.directional_albedo(WI).max() < 1 + BETWEEN
 
 
-def test_a_gaining_code_is_brought_back_to_the_source(trained, gaining, directions):
-    bright = urushi.diffuse((0.98, 0.77, 0.34))
-    free = Material(encode(bright, trained).latents, gaining)
-    assert (free.directional_albedo(WI) > 1.2 * true_albedo(bright, WI)).all()
-    lawful = COSINES > energy.GRAZING
-    rule = albedo_rule()
+def test_a_gaining_code_is_brought_back_to_the_source(trained, directions):
+    gaining, bright = with_gain(trained, np.log(1.3)), urushi.diffuse((0.98, 0.77, 0.34))
+    free, true = Material(encode(bright, trained).latents, gaining), np.array(bright.reflectance)
+    assert (free.directional_albedo(WI) > 1.2 * true).all()
+    lawful, rule = COSINES > energy.GRAZING, albedo_rule()
     own = rule.albedo(evaluate_source(bright, rule.wi, rule.wo).values.T)
     ceiling = energy.albedo_ceiling(own, rule)
     material = Material(energy.limit_albedo(gaining, free.latents, ceiling), gaining)
-    excess = material.directional_albedo(WI) - true_albedo(bright, WI)
-    assert excess[lawful].max() < 0.005
+    assert (material.directional_albedo(WI) - true)[lawful].max() < 0.005
     # It is scaled down only as far as the worst angle of the rule requires.
     below = ceiling - code_albedos(gaining, material.latents)
     assert np.abs(below.min(axis=-1)).max() < energy.TOLERANCE
@@ -113,52 +97,26 @@ def test_codes_that_are_too_bright_at_grazing_angles_change_only_there(trained):
     """A ceiling there moves f at the probes by less than a third of what one factor would."""
     f = np.full((1, len(trained.networks.pairs()[0])), 0.6 / np.pi, np.float32)
     code, cosines = trained.networks.encode(f), albedo_rule().directions[:, 2]
-    ceiling = np.where(cosines < 0.03, 0.4, 0.9)
-    nearest, scaled = (
-        limit(trained, code, ceiling) for limit in (energy.nearest_below, energy.limit_albedo)
-    )
-    assert (code_albedos(trained, nearest) < ceiling + 1e-4).all()
-    at_probes = trained.networks.basis.probe_rows
-    apart = [
-        np.abs(trained.networks.rest_at_all(z, at_probes) - f).mean() for z in (nearest, scaled)
-    ]
+    ceiling, at_probes = np.where(cosines < 0.03, 0.4, 0.9), trained.networks.basis.probe_rows
+    apart = []
+    for limit in (energy.nearest_below, energy.limit_albedo):
+        z = limit(trained, code, ceiling)
+        apart.append(np.abs(trained.networks.rest_at_all(z, at_probes) - f).mean())
+        assert (code_albedos(trained, z) < ceiling + 1e-4).all()
     assert apart[0] < 0.3 * apart[1]
 
 
-def test_codes_below_a_ceiling_are_right_between_the_probes(trained):
-    """Metals by an approximate lobe: darkening their codes at grazing angles costs no other f."""
-    wi, wo = cosine_pairs(np.random.default_rng(5), 2000)
-    for eta, k in ((0.15, 4.0), (0.6, 0.9), (1.5, 7.0), (3.0, 3.3)):
-        for alpha in (0.02, 0.1, 0.4):
-            source = urushi.conductor(alpha, eta=eta, k=k)
-            at_nodes = analytic.f(source, *albedo_rule()[:2]).T[:1]
-            f = analytic.f(source, *trained.networks.pairs()).T[:1]
-            lobe = fit_lobes(f)
-            ceiling = energy.albedo_ceiling(albedo_rule().albedo(at_nodes), albedo_rule())
-            codes = trained.networks.encode(f, lobe)
-            expected, cosines = analytic.f(source, wi, wo)[:, 0], wi[:, 2] * wo[:, 2]
-            errors = [
-                np.abs(Material(z, trained).f(wi, wo)[:, 0] - expected).mean(where=cosines > 1e-3)
-                for z in (energy.nearest_below(trained, codes, ceiling), codes)
-            ]
-            assert errors[0] < 1.5 * errors[1] + 0.02 * expected.mean()
-
-
 def test_codes_far_below_the_ceiling_keep_their_bits(trained):
-    dark = trained.networks.encode(
-        evaluate_source(urushi.diffuse(0.3), *trained.networks.pairs()).values.T
-    )
+    dark = encode(urushi.diffuse(0.3), trained).latents
     assert energy.limit_albedo(trained, dark) is dark
     assert energy.nearest_below(trained, dark) is dark
-    again = energy.limit_albedo(trained, dark, code_albedos(trained, dark) + 0.01)
-    assert again is dark
+    assert energy.limit_albedo(trained, dark, code_albedos(trained, dark) + 0.01) is dark
 
 
 @pytest.mark.parametrize("excess", [8.0, 25.0, 70.0])
 def test_codes_far_beyond_the_largest_f_are_limited_too(excess, trained):
     """How much a code exceeds its ceiling does not show where f is at the networks' largest."""
-    code = encode(urushi.diffuse(0.9), trained).latents[:1]
-    bright = np.array(code)
+    bright = np.array(encode(urushi.diffuse(0.9), trained).latents[:1])
     bright[:, 6] += excess  # the gain, a logarithm
     limited = Material(energy.limit_albedo(trained, bright), trained)
     assert 0.9 < limited.directional_albedo(WI).max() < 1 + BETWEEN
@@ -173,8 +131,6 @@ def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
     own = encode(bright, trained, table=False)
     albedo = own.directional_albedo(WI)
     assert 1.15 < albedo.max() < 1.2 + BETWEEN
-    pairs = required_pairs(bright, trained, table=False)
-    assert material_from_values(evaluate_source(bright, *pairs).values, trained) == own
     blind = material_from_values(evaluate_source(bright, *trained.networks.pairs()).values, trained)
     assert blind.directional_albedo(WI).max() < 1 + BETWEEN
     coated = layer_material(CoatParameters(*map(np.array, (0.1, 1.3, 0, 0, 0))), own, fast=True)
@@ -209,11 +165,9 @@ def test_of_many_texels_the_bright_ones_are_limited(trained):
 def test_codes_below_a_lower_index_do_not_shine_where_all_light_is_reflected(bottom):
     """There is no rest there: its factor T(wi) T(wo) ends at the critical angle."""
     rng, pairs = np.random.default_rng(4), cosine_pairs(np.random.default_rng(5), 4096)
-    below = encode(bottom)
-    for eta, alpha, depth in zip(
-        rng.uniform(0.5, 0.8, 6), rng.uniform(0.01, 0.05, 6), rng.uniform(0, 5, 6), strict=True
-    ):
-        top, medium = urushi.dielectric(alpha, eta=eta), {"albedo": 0.6, "sigma_t": depth}
+    below, medium = encode(bottom), {"albedo": 0.6}
+    for eta, alpha, depth in rng.uniform([0.5, 0.01, 0], [0.8, 0.05, 5], (6, 3)):
+        top, medium["sigma_t"] = urushi.dielectric(alpha, eta=eta), depth
         coated, fast = (layer(top, below, **medium, fast=fast) for fast in (False, True))
         for z in (coated.latents, fast.latents):
             assert code_albedos(below.model, z).max() < 1 + energy.LEAST_REST

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.directions import at_cosines
 
 from urushi.checks import CoatParameters
 from urushi.errors import ParameterError, UrushiWarning
@@ -9,7 +10,13 @@ from urushi.material import Material, encode, layer, lerp
 from urushi.material.layer import within_training
 from urushi.walk import conductor, dielectric, diffuse
 
-TOP = dielectric(0.1, 1.5)
+TOP, GOLD = dielectric(0.1, 1.5), conductor(0.2, (0.98, 0.77, 0.34))
+RATIO = r"alpha_u and alpha_v have a ratio of (100|30)"
+
+
+def codes(channels: int, material: Material) -> Material:
+    """A material of equal numbers, of the same weights."""
+    return Material(np.ones((channels, 14)), material.model)
 
 
 def test_an_empty_medium_has_no_albedo_and_no_g(material):
@@ -19,17 +26,18 @@ def test_an_empty_medium_has_no_albedo_and_no_g(material):
 
 
 def test_coats_nest_and_encodable_bottoms_are_encoded(model):
-    gold = conductor(0.2, (0.98, 0.77, 0.34))
-    once = layer(TOP, gold, albedo=0.8, sigma_t=1, weights=model)
-    assert once == layer(TOP, encode(gold, model), albedo=0.8, sigma_t=1)
+    once = layer(TOP, GOLD, albedo=0.8, sigma_t=1, weights=model)
+    assert once == layer(TOP, encode(GOLD, model), albedo=0.8, sigma_t=1)
     assert layer(TOP, once).channels == 3
 
 
-def test_one_channel_grows_to_three(model):
-    grey = Material(np.ones((1, 14)), model)
+def test_one_channel_grows_to_three(material):
+    grey = codes(1, material)
     medium = {"sigma_t": 1, "fast": True}
     assert layer(TOP, grey, albedo=0.5, **medium).channels == 1
     assert layer(TOP, grey, albedo=(0.1, 0.5, 0.9), **medium).channels == 3
+    assert layer(TOP, codes(5, material), albedo=0.5, **medium).channels == 5
+    assert lerp(material, grey, 0.5).channels == 3
 
 
 @pytest.mark.parametrize(
@@ -44,16 +52,31 @@ def test_bad_parameters_are_named(wrong, material):
         layer(TOP, material, **wrong)
 
 
-def test_only_a_dielectric_coats(material):
-    with pytest.raises(ParameterError, match="urushi.dielectric"):
-        layer(conductor(0.1, 0.9), material)
+APART = {"alpha_u": 0.01, "alpha_v": 1.0}, {"alpha_u": 0.3, "alpha_v": 0.01}
 
 
-def test_three_values_do_not_fit_five_channels(model):
-    wide = Material(np.ones((5, 14)), model)
-    assert layer(TOP, wide, albedo=0.5, sigma_t=1, fast=True).channels == 5
-    with pytest.raises(ParameterError, match="albedo has three values, but the bottom has 5"):
-        layer(TOP, wide, albedo=(0.1, 0.2, 0.3), sigma_t=1)
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda m, _: layer(GOLD, m), "urushi.dielectric"),
+        (
+            lambda m, _: layer(TOP, codes(5, m), albedo=(0.1, 0.2, 0.3), sigma_t=1),
+            "albedo has three values, but the bottom has 5",
+        ),
+        *((lambda m, _, a=a: layer(TOP, conductor(**a, r0=0.9)), RATIO) for a in APART),
+        *((lambda m, _, a=a: layer(dielectric(**a), diffuse(0.5)), RATIO) for a in APART),
+        (lambda m, other: lerp(m, Material(m.latents, other), 0.5), "different weights"),
+        (lambda m, _: lerp(m, GOLD, 0.5), "encode it into a Material"),
+        (lambda m, _: lerp(m, codes(2, m), 0.5), "does not fit"),
+        *(
+            (lambda m, _, t=t: lerp(m, m, t), "lerp's t")
+            for t in (-0.1, 1.1, np.nan, (0.1, 0.2), np.zeros((2, 3)), "half")
+        ),
+    ],
+)
+def test_mistakes_are_named(call, sentence, material, other_model):
+    with pytest.raises(ParameterError, match=sentence):
+        call(material, other_model)
 
 
 def test_lerp_is_exact_at_its_ends(material):
@@ -65,25 +88,6 @@ def test_lerp_is_exact_at_its_ends(material):
     assert np.array_equal(mixed[1], lerp(material, other, 0.5).latents[1])
 
 
-def test_lerp_of_one_and_three_channels(material, model):
-    assert lerp(material, Material(np.ones((1, 14)), model), 0.5).channels == 3
-
-
-def test_lerp_refuses_strangers(material, model, other_model):
-    with pytest.raises(ParameterError, match="different weights"):
-        lerp(material, Material(material.latents, other_model), 0.5)
-    with pytest.raises(ParameterError, match="encode it into a Material"):
-        lerp(material, conductor(0.1, 0.9), 0.5)
-    with pytest.raises(ParameterError, match="does not fit"):
-        lerp(material, Material(np.ones((2, 14)), model), 0.5)
-
-
-@pytest.mark.parametrize("t", [-0.1, 1.1, np.nan, (0.1, 0.2), np.zeros((2, 3)), "half"])
-def test_lerp_refuses_bad_shares(t, material):
-    with pytest.raises(ParameterError, match="lerp's t"):
-        lerp(material, material, t)
-
-
 @pytest.mark.parametrize(
     ("sigma_t", "g"), [(9.0, 0.0), (20.0, 0.0), (1e4, 0.7), (1e6, 0.0), (2.0, -0.99), (2.0, 0.99)]
 )
@@ -93,8 +97,7 @@ def test_a_white_medium_outside_the_training_data_stays_white(trained, sigma_t, 
     Light meets it a few times. Grazing light of rough coats is lost between facets.
     """
     enamel = layer(dielectric(0.01, 1.5), diffuse(1.0), albedo=1.0, sigma_t=sigma_t, g=g)
-    cosines = np.array([1.0, 0.9, 0.6])
-    wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
+    wi = at_cosines([1.0, 0.9, 0.6])
     most = 0.03 if g > -0.9 else 0.06  # a table has few nodes across a backward peak
     np.testing.assert_allclose(enamel.directional_albedo(wi), 1, atol=most)
 
@@ -108,14 +111,3 @@ def test_media_of_the_training_data_are_not_changed():
     shape = np.random.default_rng(0).random((4, 3))
     inside = CoatParameters(np.array(0.1), np.array(1.5), shape, 8 * shape, 0.9 * shape)
     assert within_training(inside) is inside
-
-
-@pytest.mark.parametrize("widths", [(0.01, 1.0), (0.3, 0.01)])
-def test_widths_far_apart_are_refused(widths):
-    alpha = dict(zip(("alpha_u", "alpha_v"), widths, strict=True))
-    for top, bottom in (
-        (TOP, conductor(**alpha, r0=0.9)),
-        (dielectric(**alpha, eta=1.5), diffuse(0.5)),
-    ):
-        with pytest.raises(ParameterError, match=r"alpha_u and alpha_v have a ratio of (100|30)"):
-            layer(top, bottom)

@@ -4,6 +4,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from tests.material.conftest import with_gain
 
 from urushi import parallel
 from urushi.checks import CoatParameters
@@ -29,9 +30,7 @@ ROUNDING = dict(atol=3e-5, rtol=0)
 @pytest.fixture(scope="module")
 def model(model) -> Model:
     """A basis of so low an albedo that nothing is scaled: rows are as the networks give them."""
-    rows = model.params["basis.rows"].copy()
-    rows[:, 0] -= 15
-    return Model.of(model.arch, dict(model.params) | {"basis.rows": rows}, {})
+    return with_gain(model, -15)
 
 
 def _coats(count: int) -> CoatParameters:

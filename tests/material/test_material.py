@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.directions import above, at_cosines
 
 from urushi.errors import ParameterError
 from urushi.material import Material
@@ -23,9 +24,7 @@ def test_f_is_reciprocal_positive_above_and_zero_below_the_horizon(every, direct
 def test_many_rows_are_the_same_as_few(material):
     # More rows than one block: blocks change nothing but the order of float32 sums.
     rng = np.random.default_rng(1)
-    wi = rng.normal(size=(70_000, 3))
-    wi[:, 2] = np.abs(wi[:, 2])
-    wi /= np.linalg.norm(wi, axis=1, keepdims=True)
+    wi = above(70_000, rng)
     wo = wi[::-1]
     f, pdf = material.f(wi, wo), material.pdf(wi, wo)
     rows = rng.integers(0, len(wi), 50)
@@ -35,12 +34,10 @@ def test_many_rows_are_the_same_as_few(material):
     few, many = material.sample(wi[rows], u[rows]), material.sample(wi, u)
     for one, all_of_them in zip(few, many, strict=True):
         np.testing.assert_allclose(one, all_of_them[rows], rtol=1e-3, atol=1e-5)
-    few = material.directional_albedo(
-        wi[rows[:20]]
-    )  # more than are integrated at once, and two of them alone
-    np.testing.assert_allclose(
-        few[:2], [material.directional_albedo(wi[r : r + 1])[0] for r in rows[:2]], 1e-5
-    )
+    # More than are integrated at once, and two of them alone
+    few = material.directional_albedo(wi[rows[:20]])[:2]
+    alone = [material.directional_albedo(wi[r : r + 1])[0] for r in rows[:2]]
+    np.testing.assert_allclose(few, alone, 1e-5)
 
 
 def test_samples_come_with_their_density(every, directions):
@@ -56,7 +53,7 @@ def test_samples_come_with_their_density(every, directions):
 @pytest.mark.parametrize("cos_i", [1.0, 0.6, 0.1])
 def test_albedo_by_quadrature_is_albedo_by_sampling(every, cos_i):
     # Five standard errors of 100,000 samples, and the rule's 0.001.
-    wi = np.array([[np.sqrt(1 - cos_i**2), 0, cos_i]], np.float32)
+    wi = at_cosines([cos_i])
     count = 100_000
     many = np.repeat(wi, count, axis=0)
     wo, pdf = every.sample(many, np.random.default_rng(3).random((count, 3)))

@@ -4,17 +4,16 @@ import warnings
 
 import numpy as np
 import pytest
+from tests.material.conftest import error
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.directions import rotated
-from urushi.core.error_metrics import stack_error
 from urushi.core.probe_pairs import probe_pairs
-from urushi.errors import ParameterError, UrushiWarning
+from urushi.errors import UrushiWarning
 from urushi.material.encode import encode
-from urushi.material.layer import layer
 from urushi.material.symmetry import AZIMUTHS, Deviations, asymmetry_pairs
 from urushi.material.values import evaluate_source
-from urushi.walk import coat, conductor, dielectric
+from urushi.walk import analytic, conductor, diffuse
 
 WI, WO = probe_pairs(192)
 
@@ -31,18 +30,25 @@ def one_way(wi, wo):
     return 0.3 * wo[:, 2]
 
 
-def lambert(wi, wo):
-    return np.full((len(wi), 3), 0.1)
+def handed(wi, wo):
+    across = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
+    return 0.2 + 0.1 * across * (wi[:, 2] - wo[:, 2])
+
+
+def slightly(wi, wo):
+    return 0.3 + 0.03 * wo[:, 2]
+
+
+def turns(wi, wo, count):
+    """Pairs that are turned about the normal by the parts of a turn."""
+    return [[rotated(w, k / count) for w in (wi, wo)] for k in range(count)]
 
 
 def test_symmetric_brdfs_keep_their_bits():
-    reading = evaluate_source(lambert, WI, WO)
-    assert np.array_equal(reading.values, lambert(WI, WO).astype(np.float32))
-    assert reading.deviations == Deviations()
-    rough = conductor(0.05, (0.9, 0.5, 0.2))
-    reading = evaluate_source(lambda wi, wo: evaluate_source(rough, wi, wo).values, WI, WO)
-    assert np.array_equal(reading.values, evaluate_source(rough, WI, WO).values)
-    assert reading.deviations == Deviations()
+    for surface in (diffuse(0.3), conductor(0.05, (0.9, 0.5, 0.2))):
+        reading = evaluate_source(lambda *w, own=surface: analytic.f(own, *w), WI, WO)
+        assert np.array_equal(reading.values, analytic.f(surface, WI, WO))
+        assert reading.deviations == Deviations()
 
 
 def test_the_mean_over_the_azimuth_is_encoded():
@@ -50,10 +56,13 @@ def test_the_mean_over_the_azimuth_is_encoded():
     # cos(2 phi) has no mean over an odd number of turns.
     np.testing.assert_allclose(reading.values, 0.2, rtol=1e-5)
     wi, wo = asymmetry_pairs()
-    turns = [brushed(*(rotated(w, k / 999) for w in (wi, wo))) for k in range(999)]
-    e = np.mean([stack_error(f, np.full(len(f), 0.2), wi[:, 2], wo[:, 2]) for f in turns])
+    e = np.mean([error(brushed(*sides), 0.2, *sides) for sides in turns(wi, wo, 999)])
     assert reading.deviations.anisotropy == pytest.approx(e, rel=1e-3)
     assert reading.deviations.reciprocity == pytest.approx(0, abs=1e-6)
+    # Isotropic, and unlike its mirror image where the elevations differ
+    reading = evaluate_source(handed, WI, WO)
+    np.testing.assert_allclose(reading.values, 0.2, rtol=1e-5)
+    assert reading.deviations.anisotropy > 0.01
 
 
 def test_the_mean_over_the_exchange_is_encoded():
@@ -62,8 +71,7 @@ def test_the_mean_over_the_exchange_is_encoded():
     # These pairs of cosine density differ from the pairs of the measurement: E of 1024 pairs has a
     # statistical error of 2 %.
     wi, wo = cosine_pairs(np.random.default_rng(1), 100_000, lowest_cosine=0.01)
-    mean = 0.15 * (wi[:, 2] + wo[:, 2])
-    e = stack_error(one_way(wi, wo), mean, wi[:, 2], wo[:, 2])
+    e = error(one_way(wi, wo), 0.15 * (wi[:, 2] + wo[:, 2]), wi, wo)
     assert reading.deviations.reciprocity == pytest.approx(e, rel=0.08)
     assert reading.deviations.anisotropy == pytest.approx(0, abs=1e-6)
 
@@ -77,58 +85,20 @@ def test_a_narrow_lobe_is_averaged_without_loss():
         lobe = 1 + (slope[:, 0] / 0.01) ** 2 + (slope[:, 1] / 0.5) ** 2
         return (1 / (lobe**2 * (wi[:, 2] + wo[:, 2])))[:, None]
 
-    expected = np.mean(
-        [metal(*(rotated(w, k / 1999) for w in (WI, WO))) for k in range(1999)], axis=0
-    )
+    expected = np.mean([metal(*sides) for sides in turns(WI, WO, 1999)], axis=0)
     found = evaluate_source(metal, WI, WO).values
     assert np.abs(found - expected).sum() < 5e-3 * expected.sum()
-
-
-def test_mirror_images_count_as_one():
-    def handed(wi, wo):
-        """Isotropic, and unlike its mirror image where the elevations differ."""
-        across = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
-        return 0.2 + 0.1 * across * (wi[:, 2] - wo[:, 2])
-
-    reading = evaluate_source(handed, WI, WO)
-    np.testing.assert_allclose(reading.values, 0.2, rtol=1e-5)
-    assert reading.deviations.anisotropy > 0.01
 
 
 def test_a_user_is_warned_only_of_large_changes(model):
     with pytest.warns(UrushiWarning, match="encode one_way: the BRDF is not reciprocal"):
         encode(one_way, model)
-
-    def slightly(wi, wo):
-        return 0.3 + 0.03 * wo[:, 2]
-
+    with pytest.warns(UrushiWarning, match=r"encode Conductor: the BRDF is anisotropic: .* \d+% "):
+        encode(conductor(alpha_u=0.1, alpha_v=0.4, r0=0.9), model)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         encode(slightly, model)
     assert 0 < evaluate_source(slightly, WI, WO).deviations.reciprocity < 0.1
-
-
-def test_a_brushed_conductor_is_averaged_with_a_warning(model):
-    """As any source that is not isotropic, and with the widths exchanged the same."""
-    metal, turned = (conductor(alpha_u=u, alpha_v=v, r0=0.9) for u, v in ((0.1, 0.4), (0.4, 0.1)))
-    found = evaluate_source(metal, WI, WO)
-    assert found.deviations.anisotropy > 0.3 and found.lobe is None
-    assert found.deviations.reciprocity == pytest.approx(0, abs=1e-6)
-    # A quarter turn is not among the rotations of the mean, which stands for all of them.
-    values = evaluate_source(turned, WI, WO).values
-    np.testing.assert_allclose(found.values, values, rtol=0.02, atol=1e-3)
-    with pytest.warns(UrushiWarning, match=r"encode Conductor: the BRDF is anisotropic: .* \d+% "):
-        encode(metal, model)
-
-
-def test_anisotropic_stacks_and_coats_are_refused(model):
-    """An average of simulations would take too long, and a coat is nothing to average."""
-    brushed = conductor(alpha_u=0.1, alpha_v=0.4, r0=0.9)
-    for stack in (coat(brushed), coat(conductor(0.1, 0.9), alpha_u=0.1, alpha_v=0.4)):
-        with pytest.raises(ParameterError, match="encode Stack: its alpha_u and alpha_v differ"):
-            encode(stack, model)
-    with pytest.raises(ParameterError, match="the coat's alpha_u and alpha_v differ, but .* give"):
-        layer(dielectric(alpha_u=0.1, alpha_v=0.2), conductor(0.1, 0.9), weights=model)
 
 
 def test_functions_are_evaluated_only_above_the_horizon():

@@ -1,91 +1,104 @@
-"""Tables over directions: their nodes, their error, and when there is none."""
+"""Tables over directions: their nodes, and materials with a table, closer than any code."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.directions import at_cosines
+from tests.material.conftest import error, velvet
 
 from urushi.core.direction_sets import cosine_pairs
-from urushi.core.namespace import NUMPY
-from urushi.core.table import (
-    SHAPE,
-    interpolated,
-    interpolated_nodes,
-    knots_of,
-    knotted,
-    known_nodes,
-    node_directions,
-    pair_coordinates,
-    squared_tangent,
-    unknotted,
-)
+from urushi.core.table import SHAPE, interpolated, node_directions, pair_coordinates
+from urushi.errors import ParameterError
 from urushi.material import Material, encode, layer
+from urushi.material.albedo_rule import albedo_rule
+from urushi.material.values import required_pairs
+from urushi.nets import lobe as lobes
+from urushi.nets.weights import anisotropic_model
 from urushi.walk import conductor, dielectric, diffuse
+
+
+def two_lobes(wi, wo):
+    """A narrow and a wide lobe of metals over a diffuse term."""
+    lobe = np.float32([[0.02, 0.2, 1, 0, 1.5, 0], [0.15, 0.5, 1, 0, 1.5, 0]])
+    return lobes.f(lobe, wi[:, None], wo[:, None]).sum(axis=1) + 0.05
 
 
 def test_nodes_have_their_coordinates():
     inner = np.random.default_rng(0).uniform(0.15, 0.9, (3, 200))
-    wi, wo = node_directions(*inner)
-    for w in (wi, wo):
-        np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
-        assert (w[:, 2] > 0).all()
+    axes = np.meshgrid(*(np.linspace(0, 1, count) for count in SHAPE), indexing="ij")
+    for places, least in ((inner, 0), ([x.ravel() for x in axes], -1e-6)):
+        for w in node_directions(*places):
+            np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
+            assert w[:, 2].min() > least
     # wi + wo loses digits in single precision where the half angle is small.
-    np.testing.assert_allclose(pair_coordinates(wi, wo), inner, atol=2e-3)
-    axes = (np.linspace(0, 1, count) for count in SHAPE)
-    wi, wo = node_directions(*(x.ravel() for x in np.meshgrid(*axes, indexing="ij")))
-    for w in (wi, wo):
-        np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
-        assert w[:, 2].min() > -1e-6
+    np.testing.assert_allclose(pair_coordinates(*node_directions(*inner)), inner, atol=2e-3)
 
 
-@pytest.fixture(scope="module")
-def materials(model) -> list[Material]:
-    gold = conductor(0.3, r0=(0.9, 0.6, 0.3))
-    amber = encode(diffuse((0.5, 0.2, 0.05)), model)
-    return [
+def test_the_table_of_a_code_is_its_f(model):
+    """Both are linear in ln f between nodes: rounding apart they are equal."""
+    gold, amber = conductor(0.3, r0=(0.9, 0.6, 0.3)), encode(diffuse((0.5, 0.2, 0.05)), model)
+    pairs = cosine_pairs(np.random.default_rng(1), 4000, lowest_cosine=0.05)
+    wi, wo = (w.astype(np.float32) for w in pairs)
+    for material in (
         amber,
         layer(dielectric(0.05, 1.5), amber),
         layer(dielectric(0.1, 1.5), encode(gold, model), sigma_t=(2, 0.5, 0.1), albedo=0.7),
         layer(dielectric(0.02, 1.3), encode(conductor(0.1, r0=0.9), model)),
         layer(dielectric(0.3, 1.2), encode(gold, model), sigma_t=0.3),
-    ]
-
-
-def test_the_table_of_a_code_is_its_f(materials):
-    """Both are linear in ln f between nodes: rounding apart they are equal."""
-    pairs = cosine_pairs(np.random.default_rng(1), 4000, lowest_cosine=0.05)
-    wi, wo = (w.astype(np.float32) for w in pairs)
-    for material in materials:
+    ):
         f, networks = replace(material, table=None).f(wi, wo), material.model.networks
         top = networks.top(material.latents[:, None], wi, wo).T
         found = top + interpolated(networks.table(material.latents), wi, wo)
         np.testing.assert_allclose(found, f, rtol=1e-4)
+    assert model.networks.table(encode(gold, model).latents) is None  # lobes alone need none
 
 
-def test_lobes_alone_need_no_table(model):
-    metal, white = encode(conductor(0.2, r0=0.9), model), encode(diffuse(0.9), model)
-    assert model.networks.table(metal.latents) is None
-    assert model.networks.table(white.latents).shape == (*SHAPE, 3)
+def test_functions_have_one_unless_their_code_is_exact(model, other_model):
+    for exact in (conductor(0.2, 0.9), dielectric(0.1, 1.5), diffuse(0.5)):
+        assert encode(exact, model).table is None
+    wi, wo = cosine_pairs(np.random.default_rng(3), 4000, lowest_cosine=0.02)
+    for weights in (model, other_model):  # of any weights
+        # Within the linear interpolation of the narrow lobe
+        assert error(encode(two_lobes, weights), two_lobes(wi, wo)[:, None], wi, wo) < 0.005
+        assert encode(two_lobes, weights, table=False).table is None
 
 
-def test_angles_of_total_reflection_are_nodes() -> None:
-    """Seen from glass, below a coat: the angles whose sines are the quotients of the indices."""
-    sines = np.array([1.0, 1.3]) / 1.5
-    knots = knots_of(sines.tolist())
-    places = [node / (SHAPE[1] - 1) for _, node in knots]
-    half = np.arcsin(sines) / 2
-    np.testing.assert_allclose(unknotted(np.array(places), knots), 2**0.5 * np.sin(half))
-    v = np.linspace(0, 1, 101)
-    np.testing.assert_allclose(unknotted(knotted(v, knots, NUMPY), knots), v, atol=1e-12)
-    assert all(node in known_nodes(knots)[1] for _, node in knots)
+def test_the_known_lobe_of_other_weights_lies_beside_it(material, other_model, random_directions):
+    """It is not interpolated, however narrow it is."""
+    again, wi = encode(material, other_model), random_directions(50, 1, 0.1)
+    assert again.beside_lobe
+    np.testing.assert_array_equal(again.latents[:, :6], material.latents[:, :6])
+    mirrored = wi * np.float32([-1, -1, 1])
+    np.testing.assert_allclose(again.f(wi, mirrored), material.f(wi, mirrored), rtol=0.01)
 
 
-def test_values_at_a_part_of_the_nodes_tell_the_others() -> None:
-    """The logarithm of GGX is smooth, and a bend at a knot does not reach beyond it."""
-    knots = knots_of([1 / 1.5])
-    u, v, _ = np.ix_(*(np.linspace(0, 1, count) for count in SHAPE))
-    tan2 = squared_tangent(u)
-    bend = np.exp(5 * np.minimum(unknotted(v, knots), knots[0][0]))
-    f = np.broadcast_to(bend / (0.1**2 + tan2) ** 2, SHAPE)[..., None]
-    known = np.ix_(*known_nodes(knots))
-    np.testing.assert_allclose(interpolated_nodes(f[known], knots), f, rtol=0.02)
+def test_about_as_much_light_as_the_source(model):
+    wi = at_cosines(np.linspace(0.15, 1, 9))
+    white = encode(lambda wi, wo: np.full(len(wi), 1 / np.pi), model, table=True)
+    albedo = white.directional_albedo(wi)
+    assert white.table is not None and albedo.min() > 0.95 and albedo.max() <= 1 + 1e-3
+    shiny, rule = encode(lambda *w: velvet(*w)[:, 1], model, table=True), albedo_rule()
+    source = rule.albedo(velvet(rule.wi, rule.wo)[:, 1])
+    at = np.interp(wi[:, 2], rule.directions[::-1, 2], source[::-1])
+    assert (shiny.directional_albedo(wi)[:, 0] <= at + 0.01).all()
+
+
+def test_the_same_alone_and_among_many(tabulated, model):
+    for channel in (0, 2):
+        alone = encode(lambda *w, c=channel: velvet(*w)[:, c], model, table=True)
+        np.testing.assert_array_equal(alone.table, tabulated.table[..., channel, None])
+
+
+@pytest.mark.parametrize("wrong", [np.zeros((3, 7)), np.full((*SHAPE, 3), np.inf)])
+def test_wrong_tables_and_those_of_two_widths_are_refused(wrong, tabulated, model):
+    with pytest.raises(ParameterError, match="table"):
+        Material(tabulated.latents, model, wrong)
+    other = anisotropic_model()
+    latents = np.zeros((1, other.arch.latent), np.float32)
+    for make in (
+        lambda: required_pairs(velvet, other, True),
+        lambda: Material(latents, other, np.zeros((*SHAPE, 1))),
+    ):
+        with pytest.raises(ParameterError, match="cannot have tables"):
+            make()
