@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tests import mixtures
-from tests.directions import in_plane
+from tests.directions import at_cosines, in_plane
 from tests.untrained import untrained
 
 from urushi.core import microfacet
@@ -48,10 +48,9 @@ def test_the_gain_scales_the_rest_alone():
 
 
 def test_a_smooth_metal_is_its_own_lobe():
-    model = default_model()
-    lobe = np.array([(0.05, 1, 1, 0, 1.5, 0)], np.float32)
-    z = np.concatenate([lobe, model.networks.empty_rest()[None]], axis=1)
-    weights = mixtures.weights(model.networks.proposal(z, in_plane(np.array([0.0, 45.0, 80.0]))))
+    networks, lobe = default_model().networks, np.array([(0.05, 1, 1, 0, 1.5, 0)], np.float32)
+    z = np.concatenate([lobe, networks.empty_rest()[None]], axis=1)
+    weights = mixtures.weights(networks.proposal(z, in_plane(np.array([0.0, 45.0, 80.0]))))
     np.testing.assert_allclose(weights[:, 0], 1 - proposal.MIN_COSINE_SHARE, atol=1e-3)
 
 
@@ -90,11 +89,9 @@ def test_a_brushed_rest_is_sampled_by_stretched_lobes(widths):
     coat = np.array([0.1, 0, 0, 1, 1.5, 0, 0.1], np.float32)
     metal = np.array([widths[0], 0.8, 1, 0, 1.5, 0, widths[1]], np.float32)
     theta, phi = np.radians([[10, 40, 70], [0, 45, 90]])
-    wi = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
-    found = variation(
-        anisotropic_model().networks,
-        lambda *w: lobes.f(coat, *w) + lobes.f(metal, *w) + 0.01,
-        coat,
-        wi,
-    )
-    assert found < 0.5
+    wi = at_cosines(np.cos(theta), phi).astype(float)
+
+    def f(*w):
+        return lobes.f(coat, *w) + lobes.f(metal, *w) + 0.01
+
+    assert variation(anisotropic_model().networks, f, coat, wi) < 0.5

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.directions import at_cosines
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.namespace import NUMPY, Components
@@ -60,10 +61,8 @@ def test_symmetries_to_the_bit(model, codes, pairs):
     codes[:, :7] = [(0.1, 0, 0, 1, 1.5, 0, 0.4), (0.3, 0.8, 1, 0, 1.5, 0, 0.05), lobes.no_lobe(2)]
     f = model.networks.f(codes[:, None], wi, wo)
     np.testing.assert_array_equal(f, model.networks.f(codes[:, None], wo, wi))
-    for signs in ([1, -1, 1], [-1, 1, 1], [-1, -1, 1]):
-        mirror = np.array(signs, np.float32)
-        mirrored = model.networks.f(codes[:, None], wi * mirror, wo * mirror)
-        np.testing.assert_array_equal(f, mirrored)
+    for sign in np.float32([[1, -1, 1], [-1, 1, 1], [-1, -1, 1]]):
+        np.testing.assert_array_equal(f, model.networks.f(codes[:, None], wi * sign, wo * sign))
 
 
 def test_codes_of_one_width_are_codes_of_two(model, pairs):
@@ -146,7 +145,7 @@ def test_f_is_continuous_where_azimuths_mean_nothing(degrees):
     rest[:, -1] = -0.5, 0, 0.5, 1
     z = np.concatenate([np.tile(np.float32(lobes.no_lobe(2)), (4, 1)), rest], axis=1)
     turn, polar = np.linspace(0, 2 * np.pi, 25), np.radians(degrees)
-    wi = np.array([0.8 * np.sin(polar), 0.6 * np.sin(polar), np.cos(polar)])
+    wi = at_cosines(np.cos(polar), np.arctan2(0.6, 0.8)).astype(float)
     away = 2e-5 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=-1)
     for centre in (wi * [-1, -1, 1], wi):
         wo = centre + away

@@ -97,14 +97,8 @@ def test_broken_parameters_are_refused(name, value, words, tmp_path):
         (described(kind="material"), "not one of Urushi's weight"),
         (described(version=9), "has version 9 .* reads version 1"),
         (described(architecture=None), "is damaged"),
-        (
-            described(architecture={"probes": 1e9}),
-            "architecture's probes is 1000000000",
-        ),
-        (
-            described(architecture={"kind": "paper"}),
-            "'paper', but those of 'urushi' are",
-        ),
+        (described(architecture={"probes": 1e9}), "architecture's probes is 1000000000"),
+        (described(architecture={"kind": "paper"}), "'paper', but those of 'urushi' are"),
     ],
 )
 def test_other_descriptions_are_refused(text, words, tmp_path):
@@ -120,15 +114,18 @@ def test_mutants_are_refused_in_one_sentence(saved, tmp_path):
     assert fuzz(weights.read, tmp_path / "mutant", seeds, 100, memory=1 << 23) < 60
 
 
-def test_missing_files_and_folders_are_named(tmp_path):
-    with pytest.raises(FileError, match=r"no weights file '.*absent"):
-        weights.read(tmp_path / "absent.safetensors")
-    with pytest.raises(FileError, match="weights file"):
-        weights.read(tmp_path)
-    with pytest.raises(FileError, match="cannot write"):
-        weights.save(tmp_path / "absent" / "w.safetensors", ARCH, init(), {})
-    with pytest.raises(FileError, match="no weights 'large'; give a file, or 'default'"):
-        weights.find("large")
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda path: weights.read(path / "absent.safetensors"), "no weights file '.*absent"),
+        (lambda path: weights.read(path), "weights file"),
+        (lambda path: weights.save(path / "a" / "w", ARCH, init(), {}), "cannot write"),
+        (lambda _: weights.find("large"), "no weights 'large'; give a file, or 'default'"),
+    ],
+)
+def test_missing_files_and_folders_are_named(call, sentence, tmp_path):
+    with pytest.raises(FileError, match=sentence):
+        call(tmp_path)
 
 
 def test_missing_default_weights_name_the_cure(monkeypatch, tmp_path):
