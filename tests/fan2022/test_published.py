@@ -20,7 +20,6 @@ from tests.fan2022.torch_writer import (
     tensor,
     text,
     write,
-    write_legacy,
 )
 
 from urushi.errors import FileError
@@ -92,22 +91,18 @@ def test_tensors_that_share_a_storage_are_cut_out_of_it(tmp_path):
     np.testing.assert_array_equal(arrays["turned"], values[12:18].reshape(2, 3).T)
 
 
-def test_files_that_pytorch_1_2_wrote_in_the_authors_form_are_read():
-    """The bound method `state_dict`; `published/save.py` wrote the files and the outputs."""
+def test_files_that_pytorch_1_2_wrote_in_the_authors_form_are_read(tmp_path):
+    """The bound method `state_dict`; `published/save.py` wrote the files and the outputs.
+
+    The format is the older one, in which damage is seen, too.
+    """
     folder = Path(__file__).parent / "published"
     read = published.networks(folder / "RepreNetwork.pth", folder / "LayeringNetwork.pth")
     with np.load(folder / "values.npz") as values:
         for name, chain in (("Repre", EVALUATION), ("Layering", LAYERING)):
             found = architecture.apply(read, chain, values[f"{name} inputs"])
             np.testing.assert_allclose(found, values[f"{name} outputs"], atol=1e-5)
-
-
-def test_the_older_format_is_read_and_damage_is_seen(tmp_path):
-    """As a state dict, and as a whole network of one module; the authors' form is tested above."""
-    path, values = tmp_path / "old.pth", np.arange(6, dtype=np.float32).reshape(2, 3)
-    write_legacy(path, dictionary({"a.weight": tensor(values, "0")}), {"0": values})
-    np.testing.assert_array_equal(state_dict(path)["a.weight"], values)
-    data = path.read_bytes()
+    path, data = tmp_path / "old.pth", (folder / "RepreNetwork.pth").read_bytes()
     for content in (
         data[:-1],
         data[: len(data) // 2],
@@ -117,9 +112,14 @@ def test_the_older_format_is_read_and_damage_is_seen(tmp_path):
         path.write_bytes(content)
         with pytest.raises(FileError, match="is damaged"):
             state_dict(path)
+
+
+def test_a_whole_network_is_read(tmp_path):
+    """Of one module in another."""
+    values = np.arange(6, dtype=np.float32).reshape(2, 3)
     parameters = EMPTY + b"(" + text("weight") + tensor(values, "0", parameter=True) + b"u"
     inner = NETWORK + modules(parameters=parameters) + b"b"
-    write_legacy(path, NETWORK + modules(inner) + b"b", {"0": values})
+    path = write(tmp_path / "a.pth", NETWORK + modules(inner) + b"b", {"0": values.tobytes()})
     np.testing.assert_array_equal(state_dict(path)["0.weight"], values)
 
 
@@ -220,13 +220,11 @@ def hostile(target="") -> dict[str, tuple[bytes, str]]:
 def test_a_hostile_pickle_is_refused_and_nothing_runs(name, tmp_path):
     target = tmp_path / "made"
     program, match = hostile(target)[name]
-    for save in (write, write_legacy):
-        path = save(tmp_path / "hostile.pth", program, {})
-        with pytest.raises(FileError, match=match) as caught:
-            state_dict(path)
-        assert str(path) in str(caught.value)
-        assert "\n" not in str(caught.value)
-        assert not target.exists()
+    path = write(tmp_path / "hostile.pth", program, {})
+    with pytest.raises(FileError, match=match) as caught:
+        state_dict(path)
+    assert str(path) in str(caught.value) and "\n" not in str(caught.value)
+    assert not target.exists()
 
 
 @pytest.mark.parametrize(

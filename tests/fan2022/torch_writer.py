@@ -1,6 +1,5 @@
 """Files in the layouts of torch.save, written without PyTorch."""
 
-import pickle
 import struct
 import zipfile
 from collections.abc import Mapping
@@ -70,15 +69,4 @@ def write(path: Path, program: bytes, storages: Mapping[str, bytes]) -> Path:
         for key, data in storages.items():
             archive.writestr(f"{path.stem}/data/{key}", data)
         archive.writestr(f"{path.stem}/version", b"3\n")
-    return path
-
-
-def write_legacy(path: Path, program: bytes, storages: Mapping[str, np.ndarray]) -> Path:
-    """Write instructions and storages as PyTorch did before version 1.6."""
-    sizes = {"short": 2, "int": 4, "long": 4}
-    system = {"protocol_version": 1001, "little_endian": True, "type_sizes": sizes}
-    parts = [pickle.dumps(part, 2) for part in (0x1950A86A20F9469CFC6C, 1001, system)]
-    parts += [PROTO + program + STOP, pickle.dumps(list(storages), 2)]
-    parts += [struct.pack("<q", array.size) + array.tobytes() for array in storages.values()]
-    path.write_bytes(b"".join(parts))
     return path
