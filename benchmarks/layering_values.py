@@ -20,7 +20,7 @@ from urushi.walk import Stack
 from urushi.walk.simulate import albedo
 
 FILE = ROOT / "docs" / "layering_values.json"
-#: One pair of so many of the referee's; walks of each pair; the seed.
+#: Stride of the referee's pairs that are taken; walks of each pair; the seed.
 EVERY, WALKS, SEED = 64, 1 << 16, 1918
 #: Stacks from a single interface to two coats.
 STACKS: dict[str, Stack] = {

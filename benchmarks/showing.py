@@ -27,7 +27,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def percent(value: float | None, digits: int = 2) -> str:
-    """A share in per cent, of so many significant digits; a dash for nothing."""
+    """A share in per cent, with `digits` significant digits; a dash for nothing."""
     return "–" if value is None else f"{100 * value:.{digits}g} %"
 
 

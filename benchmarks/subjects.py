@@ -19,7 +19,7 @@ from urushi.walk import StackTable, analytic, walk_pairs
 
 STACKS, CONDUCTORS, SEED = "two interfaces", "bare conductors", 31
 MERL, RGL = "MERL stand-ins", "RGL"
-#: Numbers of materials of each group; of measured ones every so many are taken.
+#: Numbers of materials of each group. Measured ones are taken at even steps of the whole list.
 COUNTS = {STACKS: 8, CONDUCTORS: 5, MERL: 4, RGL: 3}
 #: Walks of a channel that a representation may spend on the values of a stack, in one call.
 BUDGET = 1 << 20

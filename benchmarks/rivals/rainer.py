@@ -70,7 +70,7 @@ def _planar(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
 
 
 def decoder(rng: np.random.Generator, latent: int) -> Layers:
-    """An untrained decoder of codes of so many numbers."""
+    """An untrained decoder of codes of `latent` numbers."""
     return initial(rng, (latent + 4, *(WIDTH,) * LAYERS, 3))
 
 

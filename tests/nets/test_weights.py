@@ -137,7 +137,7 @@ def test_missing_default_weights_name_the_cure(monkeypatch, tmp_path):
 def test_shipped_weights_are_small_and_say_where_they_come_from():
     model = weights.find("default")
     assert model is weights.default_model() is weights.find(None)
-    assert (weights.SHIPPED / "default.safetensors").stat().st_size < 2_000_000
+    assert (weights.SHIPPED / "default.safetensors").stat().st_size < 2_500_000
     assert {"seed", "data", "metrics", "cost", "versions"} <= set(model.header)
 
 

@@ -35,7 +35,7 @@ class Architecture:
             each of the factors of `core.stretched`.
     """
 
-    functions: int = 24
+    functions: int = 32
     probes: int = 256
     layerer: tuple[int, ...] = (256, 256, 256)
     activation: str = "silu7"

@@ -176,7 +176,7 @@ def smooth_alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.n
 def draw_stack(
     rng: np.random.Generator, shares: Mapping[str, float] = SHARES, most: int = MAX_COATS
 ) -> StackTable:
-    """One random stack of at most so many coats; shares: of the kinds of bottoms."""
+    """One random stack of at most `most` coats; shares: of the kinds of bottoms."""
     kind = str(rng.choice(list(shares), p=list(shares.values())))
     coats = min(int(rng.choice(len(COATS), p=COATS)), most)
     practical = coats and rng.random() < PRACTICAL

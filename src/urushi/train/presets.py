@@ -59,7 +59,7 @@ def anisotropic() -> Preset:
         TableSpec(stacks=1000, coats=8, probes=384, shard=5, widths=2),
         schedule,
         batch=256,
-        arch=Architecture(52, 384, widths=2, azimuthal=(8, 8, 4, 4, 4)),
+        arch=Architecture(60, 384, widths=2, azimuthal=(8, 8, 4, 4, 4)),
         beginning=weights.DEFAULT,
     )
 

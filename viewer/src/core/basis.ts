@@ -24,7 +24,7 @@ export interface BasisWeights {
   readonly bounds: readonly number[];
 }
 
-/** Every so manieth node decides what code has an even f, which the basis represents exactly. */
+/** Stride of the nodes from which the code of an even f is computed. The basis represents it exactly. */
 const EVEN_STRIDE = 7;
 
 /** What is known of pairs of directions whatever the code; see `Basis.at`. */

@@ -111,12 +111,12 @@ function gridRows(tensors: TensorFile, count: number): Float32Array {
  *
  * "basis.bytes" has the low bytes, then the high bytes of numbers (K, nodes): of b, then of the
  * functions without the first, which is one. Half a number, rounded, is the difference from the node
- * before along all axes in turn, of steps of "basis.ranges"; odd ones are negative.
+ * before along all axes in turn, in steps of "basis.step"; odd ones are negative.
  */
 function unpackedRows(tensors: TensorFile, count: number): Float32Array {
   const nodes = NODES;
   const bytes = tensors.numbers("basis.bytes", [2, count, nodes]);
-  const ranges = tensors.numbers("basis.ranges", [count, 2]);
+  const [step] = tensors.numbers("basis.step", [1]);
   const rows = new Float32Array(nodes * (1 + count));
   const steps = new Int32Array(nodes);
   for (let k = 0; k < count; k++) {
@@ -132,10 +132,8 @@ function unpackedRows(tensors: TensorFile, count: number): Float32Array {
       for (let node = 0; node < nodes; node++)
         if (node % whole >= stride) steps[node] += steps[node - stride];
     }
-    const [lowest, step] = [ranges[2 * k], ranges[2 * k + 1]];
     const column = k === 0 ? 0 : k + 1;
-    for (let node = 0; node < nodes; node++)
-      rows[node * (1 + count) + column] = lowest + step * steps[node];
+    for (let node = 0; node < nodes; node++) rows[node * (1 + count) + column] = step * steps[node];
   }
   for (let at = 1; at < rows.length; at += 1 + count) rows[at] = 1;
   return rows;

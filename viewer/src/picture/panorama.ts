@@ -20,7 +20,7 @@ export interface Light {
   power: readonly [number, number, number];
 }
 
-/** The shader has room for so many. */
+/** The most bright lights; the shader has arrays of this size. */
 export const MOST_LIGHTS = 4;
 
 /** Lights as the shaders read them. */
@@ -33,7 +33,7 @@ export function uniformsOf(all: readonly Light[]) {
   return { lights: all.length, lightDirections: of("direction"), lightPowers: of("power") };
 }
 
-/** A pixel is a bright light from so many times the mean. */
+/** A pixel is a bright light if it exceeds the mean by this factor. */
 const BRIGHT = 60;
 
 /** Lights of this width are one [cosine]. */
