@@ -381,7 +381,7 @@ CONSTANTS: dict[str, str] = {
     "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
     "material.albedo_rule": "COSINES AZIMUTHS NODES",
     "material.energy": (
-        "MARGIN LEAST_ALBEDO LEAST_REST TINY_FACTOR TINY_FACTOR_ROUNDS FACETS ROUGH_GAIN"
+        "MARGIN LEAST_ALBEDO LEAST_REST NO_FACTOR ROUNDS FACETS ROUGH_GAIN"
     ),
     "material.layer": "DEEPEST",
     "nets.basis": "EMPTY_GAIN",

@@ -39,9 +39,9 @@ LEAST_ALBEDO = 1e-6
 #: light at one angle.
 LEAST_REST = 0.005
 
-#: A code with a factor below `TINY_FACTOR` is measured again, at most `TINY_FACTOR_ROUNDS` times:
-#: codes far from the training data may have the greatest f of the basis.
-TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 5
+#: A code with a factor below `NO_FACTOR` is measured again, at most `ROUNDS` times: f of codes far
+#: from the training data may be greater than the greatest f of the basis, to which it is clipped.
+NO_FACTOR, ROUNDS = 0.999, 5
 
 #: Codes, and lobes, that are measured at once: their values stay in a core's cache.
 BLOCK, LOBES = 32, 4
@@ -176,7 +176,7 @@ def limit_albedo(
     """
     rows, ceiling = _rows(model, z, ceiling)
     over, unchanged = np.arange(len(rows)), True
-    for _ in range(1 + TINY_FACTOR_ROUNDS):
+    for _ in range(1 + ROUNDS):
         if not len(over):
             break
         factors = 1 / excesses(model, rows[over], ceiling[over])
@@ -184,7 +184,7 @@ def limit_albedo(
             rows, unchanged = rows if not unchanged else np.array(rows), False
             gains = model.networks.gains(rows)
             gains[over[factors < 1]] += np.log(factors[factors < 1])
-        over = over[factors < TINY_FACTOR]
+        over = over[factors < NO_FACTOR]
     return z if unchanged else rows.reshape(z.shape)
 
 

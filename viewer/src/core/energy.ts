@@ -12,7 +12,7 @@ import { ALBEDO_RULE, ENERGY, type Vector } from "./formulas";
 import { passedBothWays, reflectance, widthsOfLobe } from "./lobe";
 import { directionRule } from "./quadrature";
 
-const { MARGIN, LEAST_ALBEDO, LEAST_REST, TINY_FACTOR, TINY_FACTOR_ROUNDS, ROUGH_GAIN } = ENERGY;
+const { MARGIN, LEAST_ALBEDO, LEAST_REST, NO_FACTOR, ROUNDS, ROUGH_GAIN } = ENERGY;
 
 /** Largest directional albedo of a code. */
 export const MOST_ALBEDO = 1 - MARGIN;
@@ -82,7 +82,7 @@ export class EnergyLimit {
     // Rough lobes, which take longer, are measured where the bound by smooth ones does not suffice.
     const bounds = directions.map(({ z }) => reflectance(code, z) + ROUGH_GAIN);
     let allowed: number[] | undefined;
-    for (let round = 0; round <= TINY_FACTOR_ROUNDS; round++) {
+    for (let round = 0; round <= ROUNDS; round++) {
       const rest = this.albedos(code);
       if (allowed === undefined) {
         if (rest.every((albedo, k) => albedo <= allowedBeside(bounds[k]))) return;
@@ -93,7 +93,7 @@ export class EnergyLimit {
       const factors = rest.map((albedo, k) => most[k] / Math.max(albedo, LEAST_ALBEDO));
       const factor = Math.min(...factors);
       if (factor < 1) code[this.gain] += Math.log(factor);
-      if (factor >= TINY_FACTOR) return;
+      if (factor >= NO_FACTOR) return;
     }
   }
 }

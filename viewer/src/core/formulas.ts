@@ -36,8 +36,8 @@ export const ALBEDO_RULE = { COSINES: { 1: [1, 0.98, 0.925, 0.84, 0.735, 0.62, 0
   0.0002], 2: [18, 8, 1, 0.0002] } } as const;
 
 /** Of `urushi.material.energy` of Python. */
-export const ENERGY = { MARGIN: 0.0005, LEAST_ALBEDO: 1e-06, LEAST_REST: 0.005, TINY_FACTOR: 0.001,
-  TINY_FACTOR_ROUNDS: 5, FACETS: 512, ROUGH_GAIN: 0.003 } as const;
+export const ENERGY = { MARGIN: 0.0005, LEAST_ALBEDO: 1e-06, LEAST_REST: 0.005, NO_FACTOR: 0.999,
+  ROUNDS: 5, FACETS: 512, ROUGH_GAIN: 0.003 } as const;
 
 /** Of `urushi.material.layer` of Python. */
 export const LAYER = { DEEPEST: 12 } as const;
