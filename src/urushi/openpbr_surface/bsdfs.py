@@ -7,9 +7,11 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
+from urushi.core.namespace import DRJIT
+from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
-from urushi.openpbr_surface import model
+from urushi.openpbr_surface import formulas, model
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import names_of
@@ -102,6 +104,11 @@ class OpenPBRSurface(Surface):
     def _white_coat(self, inputs: Inputs) -> "mi.BSDF":
         return self._coat(inputs, bsdf_of(model.Base(inputs, under_coat=True)))
 
+    @property
+    def _walks(self) -> bool:
+        """Whether the coat is walks."""
+        return self._coated is not None and known_surface(self._coated).latents is None
+
     def _find_fuzz(self):
         self._fuzz = not self._inputs.is_constant("fuzz_weight", 0)
 
@@ -150,10 +157,25 @@ class OpenPBRSurface(Surface):
         return proposal
 
     def known(self):
-        turned = "geometry_tangent" in self._inputs.maps
-        if self._coated or self._fuzz or self._absorbs or turned:
+        inputs, turned = self._inputs, "geometry_tangent" in self._inputs.maps
+        if self._fuzz or self._absorbs or turned:
             return KnownSurface()
-        return replace(known_surface(self._base), table_source=lambda: self)
+        if not self._coated:
+            return replace(known_surface(self._base), table_source=lambda: self)
+        layers = "coat", "specular"
+        if self._walks or not all(
+            inputs.is_constant(f"{layer}_roughness_anisotropy", 0) for layer in layers
+        ):
+            return KnownSurface()
+        return KnownSurface(lobes=self._coat_lobes, table_source=lambda: self)
+
+    def _coat_lobes(self, si) -> list[list]:
+        """The lobes of the coat's interface, as of `model.Base.lobes`."""
+        inputs, active, zero = self._inputs, mi.Bool(True), mi.Float(0)
+        index = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
+        alpha, weight = inputs.widths("coat", si, active), inputs.number("coat_weight", si, active)
+        lobe = [alpha, zero, zero, weight, index, zero]
+        return [lobe] * len(spectrum.to_channels(mi.Spectrum(0)))
 
     def replaced(self, replacement):
         return bsdf_of(type(self)(self._inputs.with_textures(replacement), self._coating))
@@ -163,8 +185,7 @@ class OpenPBRSurface(Surface):
 
     def traverse(self, callback):
         # Walks have no derivatives.
-        walks = self._coated is not None and known_surface(self._coated).latents is None
-        self._inputs.traverse(callback, self.names, self.names if walks else ())
+        self._inputs.traverse(callback, self.names, self.names if self._walks else ())
 
     def _update(self, keys):
         self._is_current &= not self._inputs.refresh()
