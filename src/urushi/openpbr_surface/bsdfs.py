@@ -126,7 +126,12 @@ class OpenPBRSurface(Surface):
             for bsdf, weight in zip(bsdfs, weights, strict=True)
         ]
         compensation = self._compensation.vertex(si, active) if self._compensation else None
-        fuzz = model.fuzz_at(self._inputs, si, active) if self._fuzz else None
+        fuzz = None
+        if self._fuzz:
+            weight, rough = (
+                self._inputs.number(f"fuzz_{x}", si, active) for x in ("weight", "roughness")
+            )
+            fuzz = model.Fuzz(weight, self._inputs.color("fuzz_color", si, active), rough)
         share = dr.minimum(fuzz.hidden(si.wi), 1 - LEAST_BELOW) if fuzz else 0.0
         return Vertex(parts, compensation, fuzz, share)
 

@@ -86,7 +86,13 @@ class LostLight:
         """
         self._inputs = inputs
         #: The parameters that are axes, the most important first.
-        self.varying = [name for name in names if self._varies(name)][: len(NODES) - 1]
+        # A roughness that was changed is an axis: the table stays when it changes again.
+        self.varying = [
+            name
+            for name in names
+            if not inputs.is_uniform(name)
+            or (name.endswith("roughness") and inputs.known(name) is None)
+        ][: len(NODES) - 1]
         self._turning = next(
             (x for x in layers if not inputs.is_constant(f"{x}_roughness_anisotropy", 0)), None
         )
@@ -109,20 +115,16 @@ class LostLight:
             sides = [
                 _measured(bsdf, cos2, side) for side in ((1, -1) if _transmits(bsdf) else (1,))
             ]
+        hemisphere = 4 * np.linspace(0, 1, COSINES) ** 3 / (COSINES - 1)  # of 2 cos dcos
+        hemisphere[-1] /= 2
         means = [
-            ((part @ _hemisphere_weights()) * weights).sum(1)
+            ((part @ hemisphere) * weights).sum(1)
             for lost in sides
             for part in (lost, np.maximum(lost, 0))
         ]
         turns = [TURNS] if self._turning else []
         self._table = _table(sides, [*self._nodes, *turns, COSINES])
         self._means = _table(means, self._nodes)
-
-    def _varies(self, name: str) -> bool:
-        # A roughness that was changed is an axis, so that the table stays when it changes again.
-        if name.endswith("roughness") and self._inputs.known(name) is None:
-            return True
-        return not self._inputs.is_uniform(name)
 
     def at(self, si, active) -> Place:
         """The material at a surface interaction."""
@@ -147,13 +149,6 @@ class LostLight:
 def _table(parts: Sequence[np.ndarray], shape: Sequence[int]) -> Interpolated:
     """Tables of a shape as the channels of one."""
     return Interpolated(np.stack([x.reshape(shape) for x in parts], axis=-1).astype(np.float32))
-
-
-def _hemisphere_weights() -> np.ndarray:
-    """Weights (COSINES,) of a cosine-weighted mean of values at the table's nodes."""
-    weight = 4 * np.linspace(0, 1, COSINES) ** 3 / (COSINES - 1)  # of 2 cos dcos
-    weight[-1] /= 2
-    return weight
 
 
 def _measured(bsdf: "mi.BSDF", cos2: np.ndarray, side: int) -> np.ndarray:

@@ -73,7 +73,9 @@ class Base(Surface):
         self._film = self._slab = None
         if not inputs.is_constant("thin_film_weight", 0):
             self._film = FilmFresnel(inputs)
-        eta = self._constant_eta()
+        values = [inputs.known(name) for name in INDICES]
+        # The index that `vertex` gives everywhere; None if it varies.
+        eta = None if None in values else float(formulas.base_index(*values))
         two_widths = not inputs.is_constant("specular_roughness_anisotropy", 0)
         self._albedo = InterfaceAlbedo(eta, two_widths)
         self._mirror = InterfaceAlbedo(MIRROR, two_widths)
@@ -83,6 +85,7 @@ class Base(Surface):
 
     def _vertex(self, si, active) -> BaseVertex:
         inputs = self._inputs
+        ior, coat_ior, coat, weight = (inputs.number(name, si, active) for name in INDICES)
         widths = inputs.widths("specular", si, active)
         alpha = 0.5 * (widths.u + widths.v) if isinstance(widths, Widths) else widths
         return BaseVertex(
@@ -92,7 +95,7 @@ class Base(Surface):
             inputs.number("base_metalness", si, active),
             widths,
             alpha,
-            self._relative_index(si, active),
+            formulas.base_index(ior, coat_ior, coat, weight, DRJIT),
         )
 
     def _f(self, vertex: BaseVertex, ctx, si, wo, active):
@@ -118,9 +121,12 @@ class Base(Surface):
         return Mixture([share, 1 - share], [vertex.widths])
 
     def glossy_diffuse(self, vertex: BaseVertex, lobe, cosine, si, wo, active):
-        """The dielectric (3.2.2): an interface above a diffuse slab [1/sr]."""
-        f = mi.Spectrum(lobe * self._dielectric(cosine, vertex.eta, si, active) * vertex.tint)
-        return f + self.diffuse(vertex, si, wo, active)
+        """The dielectric (3.2.2): an interface, maybe under a film, above a diffuse slab [1/sr]."""
+        if self._film:
+            reflectance = self._film.dielectric(cosine, vertex.eta, si, active)
+        else:
+            reflectance = fresnel.dielectric(cosine, vertex.eta)[0]
+        return mi.Spectrum(lobe * reflectance * vertex.tint) + self.diffuse(vertex, si, wo, active)
 
     def _metal(self, vertex: BaseVertex, lobe, cosine, si, wo, active):
         """Metal (3.2.1): GGX facets of the F82-tint term, with multiple scattering."""
@@ -133,12 +139,6 @@ class Base(Surface):
         first, second = (self._mirror.reflected(w, widths) for w in (si.wi, wo))
         more = multiple_lobe(first, second, self._mirror.reflected_mean(widths), mean)
         return vertex.weight * (lobe * reflectance + more)
-
-    def _dielectric(self, cosine, eta, si, active):
-        """The Fresnel term of the dielectric's interface (3.2), under the film (3.3)."""
-        if self._film:
-            return self._film.dielectric(cosine, eta, si, active)
-        return fresnel.dielectric(cosine, eta)[0]
 
     def diffuse(self, vertex: BaseVertex, si, wo, active):
         """The interface passes light, the diffuse slab reflects it [1/sr]."""
@@ -218,16 +218,6 @@ class Base(Surface):
     def traverse(self, callback):
         self._inputs.traverse(callback, self.names)
 
-    def _relative_index(self, si, active):
-        """The dielectric's index relative to the medium above."""
-        ior, coat_ior, coat, weight = (self._inputs.number(name, si, active) for name in INDICES)
-        return formulas.base_index(ior, coat_ior, coat, weight, DRJIT)
-
-    def _constant_eta(self) -> float | None:
-        """The index that `vertex` gives everywhere; None if it varies."""
-        values = [self._inputs.known(name) for name in INDICES]
-        return None if None in values else float(formulas.base_index(*values))
-
 
 def absorbed(inputs: Inputs, f, si, wo, active):
     """f [1/sr] under the medium (3.4.2) of a coat of index one, which has no interface."""
@@ -261,12 +251,6 @@ class Fuzz(NamedTuple):
         a, c = formulas.fuzz_transform(wi.z, self.roughness, DRJIT)
         x, y, z = square_to_cosine_hemisphere(mi.Vector3f, u.x, u.y)
         return dr.normalize(mi.Vector3f(x - c * wi.x * z, y - c * wi.y * z, a * z))
-
-
-def fuzz_at(inputs: Inputs, si, active) -> Fuzz:
-    """The fuzz at a surface interaction."""
-    weight, rough = (inputs.number(f"fuzz_{x}", si, active) for x in ("weight", "roughness"))
-    return Fuzz(weight, inputs.color("fuzz_color", si, active), rough)
 
 
 def under_fuzz(fuzz: Fuzz, f, ctx, si, wo):

@@ -144,29 +144,21 @@ class _Reader:
             raise FileError(f"cannot read the MaterialX file '{file}': {reason}") from error
 
 
-def materials(document: Document) -> list[Any]:
-    """The nodes of materials, also inside of node graphs; if none, of surface shaders."""
-    root = document.root
+def find_material(document: Document, name: str | None = None) -> Any:
+    """The node of a material, also inside of a node graph, or of a surface shader.
+
+    name: None: the document's only material, or its only shader if it has no material.
+    """
+    where, root = document.where, document.root
     graphs = (graph for graph in root.getNodeGraphs() if not graph.getNodeDefString())
     nodes = [node for scope in (root, *graphs) for node in scope.getNodes()]
-    found = [node for node in nodes if node.getCategory() == "surfacematerial"]
-    found = found or [node for node in root.getNodes() if _is_shader(node)]
-    found = found or [node for node in nodes if _is_shader(node)]
-    if not found:
+    every = [node for node in nodes if node.getAttribute("type") == "surfaceshader"]
+    shaders = [node for node in every if node.getParent() == root]
+    choices = [x for x in nodes if x.getCategory() == "surfacematerial"] or shaders or every
+    if not choices:
         raise FileError(
-            f"{document.where} has no material; it needs a surfacematerial or a node of type "
-            "surfaceshader"
+            f"{where} has no material; it needs a surfacematerial or a node of type surfaceshader"
         )
-    return found
-
-
-def find_material(document: Document, name: str | None = None) -> Any:
-    """The node of a material, or of a surface shader.
-
-    name: of a material, or of a surface shader; None: the document's only one.
-    """
-    where, choices = document.where, materials(document)
-    shaders = [node for node in document.root.getNodes() if _is_shader(node)]
     found = (
         choices if name is None else [x for x in (*choices, *shaders) if x.getName() == name][:1]
     )
@@ -176,10 +168,6 @@ def find_material(document: Document, name: str | None = None) -> Any:
         problem = "has several materials" if name is None else f"has no material '{name[:60]}'"
         raise ParameterError(f"{where} {problem}; choose one of {names}{more}")
     return found[0]
-
-
-def _is_shader(node: Any) -> bool:
-    return node.getAttribute("type") == "surfaceshader"
 
 
 def write_parameters(
@@ -195,10 +183,15 @@ def write_parameters(
         raise ParameterError(
             f"the material's name is {name!r}; use letters, digits and underscores"
         )
-    inputs = "".join(
-        '    <input name="{}" type="{}" value="{}" />\n'.format(parameter, *_typed(value))
-        for parameter, value in values.items()
-    )
+    inputs = ""
+    for parameter, value in values.items():
+        if isinstance(value, bool):
+            kind, given = "boolean", str(value).lower()
+        elif isinstance(value, tuple):
+            kind, given = "color3", ", ".join(repr(x) for x in value)
+        else:
+            kind, given = "float", repr(value)
+        inputs += f'    <input name="{parameter}" type="{kind}" value="{given}" />\n'
     text = f"""<?xml version="1.0"?>
 <materialx version="1.39" colorspace="lin_rec709">
   <{TARGET} name="{name}_shader" type="surfaceshader">
@@ -210,12 +203,3 @@ def write_parameters(
 """
     with atomic_write(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
-
-
-def _typed(value: float | bool | tuple[float, float, float]) -> tuple[str, str]:
-    """MaterialX's type and text of a value."""
-    if isinstance(value, bool):
-        return "boolean", str(value).lower()
-    if isinstance(value, tuple):
-        return "color3", ", ".join(repr(x) for x in value)
-    return "float", repr(value)

@@ -196,8 +196,12 @@ class Frame:
             if node.inside is None:
                 return Source(node.element, node)
             inner = node.inside
-        elif not output:
-            return Source(self._geometric(element))
+        elif not output:  # the geometric property that MaterialX takes for it, or the input
+            owner = element.getParent()
+            reader = self.node(owner.getName()) if isinstance(owner, package().Node) else None
+            declared = None if reader is None else reader.inputs.get(element.getName())
+            is_geometric = declared is not None and declared.getAttribute("defaultgeomprop")
+            return Source(declared if is_geometric else element)
         outputs = inner.scope.getOutputs()
         found = next((x for x in outputs if output in ("", x.getName())), None)
         if found is None:
@@ -206,14 +210,6 @@ class Frame:
                 f"'{(link or 'the document')[:60]}', which does not exist"
             )
         return inner.follow(found, where)
-
-    def _geometric(self, element: Any) -> Any:
-        """The geometric property that MaterialX takes for an unconnected input, or the input."""
-        owner = element.getParent()
-        node = self.node(owner.getName()) if isinstance(owner, package().Node) else None
-        declared = None if node is None else node.inputs.get(element.getName())
-        is_geometric = declared is not None and declared.getAttribute("defaultgeomprop")
-        return declared if is_geometric else element
 
 
 @dataclass(eq=False)

@@ -2,12 +2,14 @@
 
 import os
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 from urushi.checks import Check
 from urushi.errors import FileError
 from urushi.openpbr_surface.materialx.baking import MAX_RESOLUTION, bake, changes
 from urushi.openpbr_surface.materialx.document import find_material, read_document
+from urushi.openpbr_surface.materialx.evaluation import Evaluation
 from urushi.openpbr_surface.materialx.graph import Frame, Graph, Node, Source, library
 from urushi.openpbr_surface.materialx.images import Images
 from urushi.openpbr_surface.materialx.reader import Mix, Reader, Surface, mixed, warn
@@ -92,12 +94,10 @@ def _shader_of(graph: Graph, element: Any, where: str) -> Node:
         return _shader(node.inside.follow(outputs[0], node.where), where)
     for name, part in _LOST_SHADERS.items():
         given = node.source(name)
-        if given is not None and given.node is not None and not _is_flat(graph, given.node):
+        lost = None if given is None else given.node
+        if lost is None:
+            continue
+        displaced = partial(Evaluation.input, node=lost, name="displacement")
+        if lost.tag != "displacement" or changes(graph, displaced):
             warn(f"{where}: its {part} is left out; OpenPBR describes the front's surface")
     return _connected(node, "surfaceshader")
-
-
-def _is_flat(graph: Graph, node: Node) -> bool:
-    """Whether a node displaces by nothing."""
-    name = "displacement"
-    return node.tag == name and not changes(graph, lambda e: e.input(node, name))
