@@ -1,5 +1,7 @@
 """`urushi encode` and `urushi layer` make the files that `urushi.load` reads."""
 
+import re
+
 import numpy as np
 import pytest
 from tests.untrained import untrained
@@ -41,6 +43,7 @@ SCENE = """<scene version="3.0.0">
     [
         (["scene.xml"], "has 2 BSDFs; select one by 'scene.xml#ID' with an ID from: floor, wall"),
         (["scene.xml#roof"], "has no BSDF 'roof' on a shape; it has: floor, wall"),
+        (["none.xml"], "has 2 BSDFs; select one by 'none.xml#ID' with an ID from: none; give the"),
         (["scene.xml#wall", "-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'"),
         (["absent.xml"], "'absent.xml' is neither a file nor a description"),
         (["lacquer(1)"], "'lacquer' is not one of coat, slab"),
@@ -57,6 +60,7 @@ SCENE = """<scene version="3.0.0">
 def test_errors_of_encode(arguments, sentence, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.xml").write_text(SCENE.format("wall", "0.5"))
+    (tmp_path / "none.xml").write_text(re.sub(r' id="\w+"', "", SCENE.format("wall", "0.5")))
     assert cli.main(["encode", *arguments, *([] if "-o" in arguments else OUTPUT)]) == 2
     assert sentence in capsys.readouterr().err
     assert not (tmp_path / OUTPUT[1]).exists()

@@ -150,6 +150,7 @@ def coated(parameter: str) -> str:
         ),
         (SCENE, "-o /nowhere/at/all.exr", "cannot write '/nowhere/at/all.exr'"),
         (None, "", "scene file 'bad.xml' does not exist"),
+        (None, "-o /proc/all.exr", "cannot write '/proc/all.exr': "),  # before the scene is read
         ("no XML", "", "cannot load 'bad.xml': "),
         ('<bsdf version="3.0.0" type="diffuse"/>', "", "its outermost element must be <scene>"),
         (

@@ -2,7 +2,7 @@
 
 import functools
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -102,7 +102,7 @@ class Encode:
         return [new_folder(self.output) / f"{name}.safetensors" for name in names]
 
 
-def opened(text: str, bsdfs: Callable[[Path], Mapping[str, Any]]) -> Any:
+def opened(text: str, bsdfs: Callable[[Path], Sequence[Any]]) -> Any:
     """What `urushi.encode` takes: a description, a measured BRDF or a BSDF of a scene.
 
     bsdfs: as of `scene_bsdfs`.
@@ -128,27 +128,30 @@ def scene_and_bsdf(text: str) -> tuple[Path, str | None]:
     return Path(text), None
 
 
-def scene_bsdfs(path: Path, mode: str) -> dict[str, Any]:
-    """The BSDFs of a scene's shapes by id; `mode`: the Mitsuba variant."""
+def scene_bsdfs(path: Path, mode: str) -> list[Any]:
+    """The different BSDFs of a scene's shapes; `mode`: the Mitsuba variant."""
     from urushi.app.render import load_scene, set_variant
 
     set_variant(mode)
-    scene = load_scene(path, {})
-    return {shape.bsdf().id(): shape.bsdf() for shape in scene.shapes() if shape.bsdf()}
+    bsdfs = [shape.bsdf() for shape in load_scene(path, {}).shapes() if shape.bsdf()]
+    return list({id(bsdf): bsdf for bsdf in bsdfs}.values())
 
 
-def choose(bsdfs: Mapping[str, Any], name: str | None, path: Path) -> Any:
+def choose(bsdfs: Sequence[Any], name: str | None, path: Path) -> Any:
     """The BSDF with the id `name`, or the only one if `name` is None."""
-    names = ", ".join(sorted(bsdfs)) or "none"
+    by_id = {bsdf.id(): bsdf for bsdf in bsdfs if bsdf.id()}
+    names = ", ".join(sorted(by_id)) or "none"
+    if len(by_id) < len(bsdfs):
+        names += "; give the others an id in the file to select them"
     if name is None and len(bsdfs) == 1:
-        return next(iter(bsdfs.values()))
+        return bsdfs[0]
     if name is None:
         raise ParameterError(
             f"'{path}' has {len(bsdfs)} BSDFs; select one by '{path}#ID' with an ID from: {names}"
         )
-    if name not in bsdfs:
+    if name not in by_id:
         raise ParameterError(f"'{path}' has no BSDF '{name}' on a shape; it has: {names}")
-    return bsdfs[name]
+    return by_id[name]
 
 
 @dataclass(frozen=True)
