@@ -51,10 +51,16 @@ def request(server, path, method="GET", **headers):
 
 
 def test_the_page_is_at_the_root(server):
+    """Compressed for browsers that accept it."""
     answer, body = request(server, "/")
     assert (answer.status, body) == (200, b"<!doctype html>")
     assert answer.headers["Content-Type"] == "text/html; charset=utf-8"
     assert answer.headers["Content-Security-Policy"] == POLICY
+    assert (answer.headers["Content-Encoding"], answer.headers["Vary"]) == (None, "Accept-Encoding")
+    answer, body = request(server, "/", Accept_Encoding="gzip, br")
+    assert answer.headers["Content-Encoding"] == "gzip"
+    assert int(answer.headers["Content-Length"]) == len(body)
+    assert gzip.decompress(body) == b"<!doctype html>"
     answer, body = request(server, "/", "HEAD")
     assert (answer.status, body, answer.headers["Content-Length"]) == (200, b"", "15")
     answer, body = request(server, "/assets/page.js?new")
@@ -71,16 +77,6 @@ def test_nothing_else_is_answered(server):
     assert server.server_address[0] == "127.0.0.1"
     assert request(server, "/", Host="urushi.example")[0].status == 403
     assert request(server, "/", Host=f"localhost:{server.server_port}")[0].status == 200
-
-
-def test_answers_are_compressed_for_browsers_that_accept_it(server):
-    answer, body = request(server, "/", Accept_Encoding="gzip, br")
-    assert answer.headers["Content-Encoding"] == "gzip"
-    assert int(answer.headers["Content-Length"]) == len(body)
-    assert gzip.decompress(body) == b"<!doctype html>"
-    plain, body = request(server, "/")
-    assert (plain.headers["Content-Encoding"], body) == (None, b"<!doctype html>")
-    assert answer.headers["Vary"] == plain.headers["Vary"] == "Accept-Encoding"
 
 
 def test_the_built_page_has_the_servers_policy_and_says_that_it_needs_a_server():
