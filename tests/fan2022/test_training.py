@@ -32,6 +32,7 @@ TINY = 1e-10
 
 
 def test_at_scale_one_all_numbers_are_the_papers():
+    """A scale is the share of training samples, and leaves the decay of the rates as it is."""
     preset = PaperPreset()
     parts = {name: count for name, (_, count) in preset.data.parts.items()}
     assert parts == {
@@ -45,15 +46,9 @@ def test_at_scale_one_all_numbers_are_the_papers():
     assert preset.rates(1) == pytest.approx((0.9 * 3e-4, 0.9 * 1e-4))
     assert (preset.layering_epochs, layering.RATE, layering.DECAY) == (1000, 3e-3, 0.7)
     assert preset.layering_epochs // layering.DECAYS == 50
-
-
-def test_scale_is_the_share_of_training_samples():
-    whole, small = PaperPreset(), PaperPreset(1e-4)
-
-    def samples(preset):
-        return preset.trained * preset.data.pairs * preset.epochs
-
-    assert samples(small) / samples(whole) == pytest.approx(1e-4, rel=0.3)  # whole numbers
+    small = PaperPreset(1e-4)
+    whole, part = (p.trained * p.data.pairs * p.epochs for p in (preset, small))
+    assert part / whole == pytest.approx(1e-4, rel=0.3)  # whole numbers
     decay = small.rates(small.epochs)[0] / small.rates(0)[0]
     assert decay == pytest.approx(0.9**50)
     with pytest.raises(ParameterError, match="scale is 2; it must be in"):
