@@ -235,6 +235,14 @@ def jit():
 
 
 @pytest.fixture
+def spectral(rgb):
+    """Mitsuba in the variant llvm_ad_spectral, until the test ends."""
+    rgb.set_variant("llvm_ad_spectral")
+    yield rgb
+    rgb.set_variant("llvm_ad_rgb")
+
+
+@pytest.fixture
 def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Coats with textures by few points of transport, for what does not depend on their number."""
     from urushi.textures import baking
@@ -279,24 +287,13 @@ def random_directions():
     return above
 
 
-def _load_module(path: Path):
-    """Import a Python file that is not part of a package."""
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-@pytest.fixture(scope="session")
-def sampling():
-    """The module of the chi-squared test of a plugin's sampling."""
-    return _load_module(ROOT / "tests" / "mitsuba" / "sampling.py")
-
-
 @pytest.fixture(scope="session")
 def tool(test_data):
     """The module that writes stand-ins for files of the MERL database."""
     path = test_data / "tools" / "merl_from_nbrdf.py"
     if not path.is_file():
         pytest.skip(f"'{path}' is missing")
-    return _load_module(path)
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

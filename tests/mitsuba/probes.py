@@ -99,6 +99,20 @@ def spheres(*bsdfs, integrator: str = "path", size: int = 16, depth: int = 3, **
     }
 
 
+def in_white_world(bsdf) -> np.ndarray:
+    """Linear sRGB of a plane under even light, seen at 40 degrees; one number in grey."""
+    to_world = mi.ScalarTransform4f().look_at([0, 2.5, 3], [0, 0, 0], [0, 1, 0])
+    film = {"type": "hdrfilm", "width": 8, "height": 8, "rfilter": {"type": "box"}}
+    scene = {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": 2},
+        "sensor": {"type": "perspective", "fov": 15, "to_world": to_world, "film": film},
+        "light": {"type": "constant"},
+        "shape": {"type": "rectangle", "bsdf": bsdf},
+    }
+    return np.array(mi.render(mi.load_dict(scene), spp=1024)).mean(axis=(0, 1))[:3]
+
+
 def check_walk(bsdf: "mi.BSDF", stack: Stack, degrees: float = 0.0, sides: bool = False) -> None:
     """Walks of a plugin have the means of `simulate` of a stack, whose tangent is turned.
 

@@ -72,42 +72,6 @@ def sampled(bsdf, wi, count: int, uv=(0.5, 0.5), mode="Importance"):
     return tuple(np.float64(x.numpy()).T.reshape(-1, count, len(x)) for x in (weight, bs.wo))
 
 
-#: Parts of the samples or walks whose spread gives the noise.
-PARTS = 16
-
-
-#: Power of the map of the quadrature: cells are densest about the mirrored and the straight light.
-CROWDING = 4
-
-
-def quadrature(w: np.ndarray, across: float | None, side: int) -> tuple[np.ndarray, np.ndarray]:
-    """Directions (`PARTS`, S, 3) and solid angles (`PARTS`, S) for light from w.
-
-    Each part has all cells, and another point in each.
-
-    across: index below relative to that above; None: light is only reflected.
-    side: cells along the polar angle; twice as many are along the azimuth.
-    """
-    shifts = (np.arange(PARTS)[:, None] * [0.75488, 0.56984]) % 1
-    x = ((np.arange(2 * side) + shifts[:, :1]) / side - 1)[:, :, None]
-    y = ((np.arange(side) + shifts[:, 1:]) / side * 2 - 1)[:, None]
-    azimuth, theta, wo, cells = np.arctan2(w[1], w[0]), np.arccos(abs(w[2])), [], []
-    centres = [(theta, 1)]
-    if across is not None:
-        ratio = across if w[2] < 0 else 1 / across
-        centres.append((np.arcsin(min(np.sin(theta) * ratio, 0.95)), -1))
-    for centre, far in centres:
-        room = np.where(y > 0, np.pi / 2 - centre, centre)
-        polar = centre + np.sign(y) * room * np.abs(y) ** CROWDING
-        turn = np.pi * (1 + np.sign(x) * np.abs(x) ** CROWDING) + azimuth
-        slope = CROWDING**2 * np.abs(x * y) ** (CROWDING - 1) * np.pi * room
-        up = far * np.sign(w[2]) * np.cos(polar)
-        parts = np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), up
-        wo.append(np.stack(np.broadcast_arrays(*parts), -1).reshape(PARTS, -1, 3))
-        cells.append((slope * np.sin(polar) * 2 / side**2).reshape(PARTS, -1))
-    return np.concatenate(wo, axis=1), np.concatenate(cells, axis=1) / PARTS
-
-
 def error(found: np.ndarray, expected: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> float:
     """Sum of the absolute deviations of f over the sum of f, by cosines."""
     weight = (wi[:, 2] * wo[:, 2])[:, None]

@@ -41,13 +41,10 @@ def test_a_saved_material_is_read_as_it_was(tmp_path):
     assert urushi.openpbr(**read) == urushi.openpbr(**LACQUER, geometry_thin_walled=False)
 
 
-def test_a_uniform_material_is_encoded():
+def test_a_uniform_material_is_encoded_and_textures_are_kept_or_refused(tmp_path):
     wi, wo = pairs_above(100, 0, 0.1)
     bare = urushi.openpbr(base_color=(0.6, 0.1, 0.05), specular_roughness=0.5)
     assert error(urushi.encode(bare).f(wi, wo), bare.f(wi, wo), wi, wo) < 0.05
-
-
-def test_textures_are_kept_and_refused_where_one_value_is_needed(tmp_path):
     checker = {"type": "checkerboard"}
     textured = urushi.openpbr(base_color=checker)
     assert textured.textures == ["base_color"]

@@ -85,9 +85,8 @@ def test_particles_light_as_much_as_paths(thin):
 
 
 @pytest.mark.parametrize("light", [1.0, {"type": "blackbody", "temperature": 2700}])
-def test_white_light_is_that_of_mitsubas_emitters_in_spectral_variants(light):
+def test_white_light_is_that_of_mitsubas_emitters_in_spectral_variants(spectral, light):
     """Numbers and colours are relative to D65; a spectrum is the light's own."""
-    mi.set_variant("llvm_ad_spectral")
     lamp = urushi.openpbr(emission_luminance=3.0, emission_color=light)
     theirs = {"type": "area", "radiance": light if isinstance(light, dict) else 3.0}
     si = dr.zeros(mi.SurfaceInteraction3f, 1)
@@ -96,7 +95,6 @@ def test_white_light_is_that_of_mitsubas_emitters_in_spectral_variants(light):
         mi.load_dict(shape).emitter().eval(si).numpy()
         for shape in (lamp.on(SQUARE), SQUARE | {"emitter": theirs})
     )
-    mi.set_variant("llvm_ad_rgb")
     factor = 3.0 if isinstance(light, dict) else 1.0
     np.testing.assert_allclose(ours, factor * theirs, rtol=1e-5)
 

@@ -5,6 +5,7 @@ from unittest.mock import Mock
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.mitsuba.probes import spheres
 from tests.openpbr_surface.probes import loaded, sampled, toward
 
 pytestmark = pytest.mark.usefixtures("rgb")
@@ -44,16 +45,8 @@ def test_a_path_computes_a_vertex_once(monkeypatch):
     for name in ("_vertex", "_f_and_pdf"):
         calls[name] = Mock(side_effect=getattr(bsdf.surface, name))
         monkeypatch.setattr(bsdf.surface, name, calls[name])
-    scene = mi.load_dict(
-        {
-            "type": "scene",
-            "integrator": {"type": "path", "max_depth": 4},
-            "sensor": {"type": "perspective", "film": {"type": "hdrfilm", "width": 4, "height": 4}},
-            "shape": {"type": "sphere", "center": [0, 0, 4], "bsdf": bsdf},
-            "light": {"type": "constant"},
-        }
-    )
-    assert np.isfinite(np.array(mi.render(scene, spp=1))).all()
+    picture = mi.render(mi.load_dict(spheres(bsdf, size=4)), spp=1)
+    assert np.isfinite(np.array(picture)).all()
     # Towards the light and along the drawn direction, as often as the loop is recorded.
     assert calls["_vertex"].call_count
     assert calls["_f_and_pdf"].call_count == 2 * calls["_vertex"].call_count

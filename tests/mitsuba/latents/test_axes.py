@@ -1,4 +1,4 @@
-"""Coats over textures by axes of parameters, against the walk and against their own codes."""
+"""Networks by plugins against walks: coats over textures by axes of parameters, and dielectrics."""
 
 import numpy as np
 import pytest
@@ -69,101 +69,120 @@ def eight_bits(mi, raw: bool) -> dict:
     return {"type": "bitmap", "bitmap": mi.Bitmap(texels), "raw": raw}
 
 
-def varnishes(mi) -> dict[str, tuple[dict, set[str]]]:
-    """Coats with textures that texels of one grid represent badly, and the names of their axes."""
+def brushed(color) -> dict:
+    """A brushed metal; some pairs of directions see nothing of it below a coat."""
+    metal = {"type": "principled", "metallic": 1.0, "roughness": 0.4, "anisotropic": 0.6}
+    return metal | {"base_color": color}
+
+
+def two_transforms(mi) -> dict:
     turned = mi.ScalarTransform3f().rotate(30).scale([3, 2])
-    checkers = {"type": "checkerboard", "color0": 0.05, "color1": 0.8}
+    base = GOLD | {"alpha": strip(0.1, 0.5, 0.3)}
+    return {"alpha": strip(0.05, 0.4, to_uv=turned), "base": base}
+
+
+def two_roughnesses(mi) -> dict:
     shared = noise(mi, 1)
-    return {
-        "checkerboard": (
-            {"base": {"type": "diffuse", "reflectance": checkers}},
-            {"bottom.reflectance"},
-        ),
-        "two transforms": (
-            {
-                "alpha": strip(0.05, 0.4, to_uv=turned),
-                "base": GOLD | {"alpha": strip(0.1, 0.5, 0.3)},
-            },
-            {"alpha", "bottom.alpha"},
-        ),
-        "indices near one": (
-            {
-                "alpha": 0.3,
-                "ext_ior": 1.0,
-                "int_ior": strip(1.01, 1.1, 2.5, filter_type="nearest"),
-                "base": {"type": "diffuse", "reflectance": 0.8},
-            },
-            {"eta"},
-        ),
-        "texels of eight bits": (
-            {
-                "alpha": eight_bits(mi, raw=True),
-                "base": {"type": "diffuse", "reflectance": eight_bits(mi, raw=False)},
-            },
-            {"alpha", "bottom.reflectance"},
-        ),
-        "vertex colours": (
-            {
-                "base": {
-                    "type": "principled",
-                    "base_color": {"type": "mesh_attribute", "name": "vertex_color"},
-                    "roughness": 0.4,
-                }
-            },
-            {"bottom.base_color"},
-        ),
-        # Some pairs of directions see nothing of the bottom.
-        "a brushed metal": (
-            {
-                "alpha": 0.35,
-                "sigma_t": strip(0.1, 2.0),
-                "base": {
-                    "type": "principled",
-                    "metallic": 1.0,
-                    "roughness": 0.4,
-                    "anisotropic": 0.6,
-                    "base_color": noise(mi, 1),
-                },
-            },
-            {"sigma_t", "bottom.base_color"},
-        ),
-        # Parameters of one texture lie along one axis, if one is a function of the other.
-        "a pigment's colour": (
-            {"body": 0.6, "body_color": noise(mi, 3), "base": GOLD},
-            {"albedo"},
-        ),
-        "two roughnesses": ({"alpha": shared, "base": GOLD | {"alpha": shared}}, {"alpha"}),
-        "two textures": (
-            {"alpha": shared, "base": GOLD | {"alpha": noise(mi, 1, seed=1)}},
-            {"alpha", "bottom.alpha"},
-        ),
-    }
+    return {"alpha": shared, "base": GOLD | {"alpha": shared}}
+
+
+BOARD = {"type": "checkerboard", "color0": 0.05, "color1": 0.8}
+VERTICES = {"type": "mesh_attribute", "name": "vertex_color"}
+
+#: Coats with textures that texels of one grid represent badly, and the names of their axes. Those
+#: of one texture lie along one axis, if one is a function of the other.
+VARNISHES = {
+    "checkerboard": (
+        lambda mi: {"base": {"type": "diffuse", "reflectance": BOARD}},
+        {"bottom.reflectance"},
+    ),
+    "two transforms": (two_transforms, {"alpha", "bottom.alpha"}),
+    "indices near one": (
+        lambda mi: {
+            "alpha": 0.3,
+            "ext_ior": 1.0,
+            "int_ior": strip(1.01, 1.1, 2.5, filter_type="nearest"),
+            "base": {"type": "diffuse", "reflectance": 0.8},
+        },
+        {"eta"},
+    ),
+    "texels of eight bits": (
+        lambda mi: {
+            "alpha": eight_bits(mi, raw=True),
+            "base": {"type": "diffuse", "reflectance": eight_bits(mi, raw=False)},
+        },
+        {"alpha", "bottom.reflectance"},
+    ),
+    "vertex colours": (
+        lambda mi: {"base": {"type": "principled", "base_color": VERTICES, "roughness": 0.4}},
+        {"bottom.base_color"},
+    ),
+    "a brushed metal": (
+        lambda mi: {"alpha": 0.35, "sigma_t": strip(0.1, 2.0), "base": brushed(noise(mi, 1))},
+        {"sigma_t", "bottom.base_color"},
+    ),
+    "a pigment's colour": (
+        lambda mi: {"body": 0.6, "body_color": noise(mi, 3), "base": GOLD},
+        {"albedo"},
+    ),
+    "two roughnesses": (two_roughnesses, {"alpha"}),
+    "two textures": (
+        lambda mi: {"alpha": noise(mi, 1), "base": GOLD | {"alpha": noise(mi, 1, seed=1)}},
+        {"alpha", "bottom.alpha"},
+    ),
+}
+
+
+def check(mi, coat: dict, rtol: float, u=None, shape=None, walk: dict | None = None):
+    """The albedo by networks is that by walks, of the same coat unless another is given."""
+    width = {} if "alpha_u" in coat else {"alpha": 0.1}
+    coat, si = width | {"int_ior": 1.5} | coat, interactions(mi, shape, u)
+    bsdf = mi.load_dict(coat | {"type": "neural_layered"})
+    truth = mi.load_dict(coat | (walk or {}) | {"type": "layered"})
+    np.testing.assert_allclose(*(albedo(mi, x, si) for x in (bsdf, truth)), rtol=rtol)
+    return bsdf
+
+
+@pytest.mark.parametrize("name", VARNISHES)
+def test_albedos_agree_with_the_walk(rgb, name):
+    """Within 1 %: the walk's noise is half of it."""
+    described, axes = VARNISHES[name]
+    mesh = square(rgb) if name == "vertex colours" else None  # lives as long as its points
+    bsdf = check(rgb, described(rgb), 0.01, shape=mesh)
+    assert {axis.name for axis in bsdf.latents.baked.axes} == axes
+
+
+SLOW, TWO_WIDTHS = pytest.mark.slow, {"alpha_u": 0.05, "alpha_v": 0.3}
+PLASTIC = {"type": "roughplastic", "distribution": "ggx", "alpha": 0.05, "int_ior": 1.9}
+PRINCIPLED = {"type": "principled", "clearcoat": 1.0, "clearcoat_gloss": 0.9}
+
+
+def openpbr(metalness: float, roughness: float) -> dict:
+    return {"type": "openpbr", "base_metalness": metalness, "specular_roughness": roughness}
 
 
 @pytest.mark.parametrize(
-    "name",
+    ("bottom", "textured", "coat", "rtol"),
     [
-        *(
-            "checkerboard",
-            "two transforms",
-            "indices near one",
-            "vertex colours",
-            "texels of eight bits",
-            "a brushed metal",
-        ),
-        *("a pigment's colour", "two roughnesses", "two textures"),
+        # Tables err by 2 %, networks by up to 7 %; with a fitted lobe, PLASTIC was 14 % too dark.
+        (PRINCIPLED, False, {}, 0.03),
+        ({"type": "pplastic", "alpha": 0.1}, True, {"alpha": 0.2}, 0.08),
+        (PLASTIC, True, {"alpha": 0.3}, 0.04),
+        pytest.param(PLASTIC | {"int_ior": 1.5}, False, {}, 0.03, marks=SLOW),
+        pytest.param(openpbr(0.0, 0.15), False, TWO_WIDTHS, 0.08, marks=SLOW),
+        pytest.param(openpbr(1.0, 0.1), True, {"alpha": 0.2}, 0.07, marks=SLOW),
+        (openpbr(1.0, 0.4), True, {"alpha": 0.2}, 0.07),
+        (openpbr(0.5, 0.2), True, {"alpha": 0.2}, 0.07),
+        pytest.param(openpbr(0.0, 0.3), True, {"alpha": 0.2}, 0.07, marks=SLOW),
     ],
 )
-def test_albedos_agree_with_the_walk(rgb, name):
-    """Within 1 %: the walk's noise is half of it."""
-    described, axes = varnishes(rgb)[name]
-    coat = {"alpha": 0.1, "int_ior": 1.5} | described
-    mesh = square(rgb) if name == "vertex colours" else None  # lives as long as its points
-    si = interactions(rgb, mesh)
-    bsdfs = [rgb.load_dict(coat | {"type": x}) for x in ("neural_layered", "layered")]
-    assert {axis.name for axis in bsdfs[0].latents.baked.axes} == axes
-    found, walk = (albedo(rgb, bsdf, si) for bsdf in bsdfs)
-    np.testing.assert_allclose(found, walk, rtol=0.01)
+def test_albedos_over_dielectrics_and_metals_agree_with_the_walk(rgb, bottom, textured, coat, rtol):
+    """Of a colour, or of two texels; the walk's noise is below 0.5 %."""
+    colour = [0.8, 0.35, 0.1]
+    value = strip([0.1, 0.6, 0.2], colour, filter_type="nearest")
+    value = value if textured else {"type": "rgb", "value": colour}
+    key = "diffuse_reflectance" if "plastic" in bottom["type"] else "base_color"
+    check(rgb, {"base": bottom | {key: value}} | coat, rtol, u=0.75)
 
 
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
@@ -174,30 +193,17 @@ def test_mesh_attributes_and_volumes_of_one_value(rgb, name):
     grid = rgb.VolumeGrid(np.full((2, 2, 2, 1), 0.3, np.float32))
     place = rgb.ScalarTransform4f().translate(-2).scale(4)
     volume = {"type": "gridvolume", "grid": grid, "raw": True, "to_world": place}
+    volume, attribute = {"type": "volume", "volume": volume}, {"type": "mesh_attribute"}
+    value, index = (attribute | {"name": f"vertex_{x}"} for x in ("value", "index"))
 
     def mean(value, index=1.3) -> np.ndarray:
         coat = {"type": name, "base": {"type": "diffuse"}, "sigma_t": 1.0, "int_ior": index}
         bsdf = rgb.load_dict(coat | {"alpha": value, "albedo": value})
         return bsdf.eval(rgb.BSDFContext(), si, wo).numpy().mean(axis=1)
 
-    expected, attribute = mean(0.3), {"type": "mesh_attribute", "name": "vertex_value"}
-    for value in (attribute, {"type": "volume", "volume": volume}):
-        np.testing.assert_allclose(mean(value), expected, rtol=2e-2)
-    index = attribute | {"name": "vertex_index"}
-    np.testing.assert_allclose(mean(0.3, index), expected, rtol=2e-2)
-
-
-def test_an_edit_of_texels_keeps_the_codes_unless_the_relation_changes(rgb):
-    described = {"type": "neural_layered", "body": 0.6, "body_color": noise(rgb, 3)}
-    bsdf = rgb.load_dict(described | {"base": {"type": "diffuse"}})
-    parameters, baked = rgb.traverse(bsdf), bsdf.latents.baked
-    texels = np.array(parameters["body_color.data"])
-    parameters["body_color.data"] = rgb.TensorXf(texels[::-1, ::-1].copy())
-    parameters.update()
-    assert bsdf.latents.baked is baked
-    parameters["body.value"] = 0.4  # of the same colours, other depths
-    parameters.update()
-    assert bsdf.latents.baked is not baked
+    expected = mean(0.3)
+    for given in ((value,), (volume,), (0.3, index)):
+        np.testing.assert_allclose(mean(*given), expected, rtol=2e-2)
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.6])
@@ -206,30 +212,23 @@ def test_masks_of_metal_and_rust(rgb, alpha, weight):
     """Within 2 %: codes of coated metals and Lambertians err by one, noise is below one."""
     blend = {"type": "blendbsdf", "metal": SILVER, "rust": RUST}
     mask = strip(0.0, 0.05, 1.0, filter_type="nearest", wrap_mode="clamp")
-    coat = {"alpha": alpha, "int_ior": 1.5}
-    si = interactions(rgb, u=(0.5 + [0.0, 0.05, 1.0].index(weight)) / 3)
-    coats = (
-        coat | {"type": "neural_layered", "base": blend | {"weight": mask}},
-        coat | {"type": "layered", "base": blend | {"weight": weight}},
-    )
-    found, walk = (albedo(rgb, rgb.load_dict(x), si) for x in coats)
-    np.testing.assert_allclose(found, walk, rtol=0.02)
+    textured, alone = ({"alpha": alpha, "base": blend | {"weight": x}} for x in (mask, weight))
+    check(rgb, textured, 0.02, (0.5 + [0.0, 0.05, 1.0].index(weight)) / 3, walk=alone)
 
 
-@pytest.mark.parametrize("name", ["reflectance", "sigma_t", "albedo"])
-def test_half_way_between_two_texels(rgb, name):
+@pytest.mark.parametrize(
+    ("name", "texels", "coat"),
+    [
+        ("reflectance", (0.05, 0.9), {}),
+        ("sigma_t", (0.0, 5.0), {"base": SILVER}),
+        ("albedo", (0.1, 0.98), {"sigma_t": 2.0, "base": RUST}),
+    ],
+)
+def test_half_way_between_two_texels(rgb, name, texels, coat):
     """Within 5 %; the walk has the mean parameter there."""
-    data = {"reflectance": (0.05, 0.9), "sigma_t": (0.0, 5.0), "albedo": (0.1, 0.98)}[name]
-    row = strip(*data, wrap_mode="clamp")
-    coat = {"alpha": 0.1, "int_ior": 1.5, "base": SILVER} | {
-        "reflectance": {"base": {"type": "diffuse", "reflectance": row}},
-        "sigma_t": {"sigma_t": row},
-        "albedo": {"albedo": row, "sigma_t": 2.0, "base": RUST},
-    }[name]
-    si = interactions(rgb, u=0.5)
-    bsdfs = [rgb.load_dict(coat | {"type": x}) for x in ("neural_layered", "layered")]
-    found, walk = (albedo(rgb, bsdf, si) for bsdf in bsdfs)
-    np.testing.assert_allclose(found, walk, rtol=0.05)
+    row = {name: strip(*texels, wrap_mode="clamp")}
+    row = row if coat else {"base": {"type": "diffuse"} | row}
+    check(rgb, coat | row, 0.05, u=0.5)
 
 
 def test_a_product_of_textures_is_largest_between_their_texels(rgb, few_points):

@@ -1,19 +1,24 @@
-"""f of codes of every kind of lobe in Dr.Jit: NumPy's, reciprocal, and with its gradients."""
+"""f of codes of every kind of lobe in Dr.Jit: NumPy's, reciprocal, and with its derivatives."""
 
 import drjit as dr
 import numpy as np
 import pytest
-from tests.mitsuba.probes import vector
+from tests.mitsuba.probes import pairs, vector
 from tests.untrained import untrained
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.table import interpolated
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.basis import BasisDecoder, table_of
+from urushi.mitsuba.latents.codes import ConstantLatents
+from urushi.mitsuba.latents.lobe import ANY_LOBE
+from urushi.mitsuba.latents.over_axes import AxisLatents
+from urushi.mitsuba.latents.texels import texel_axes
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets import transmittance
 from urushi.nets.basis import decode
-from urushi.nets.weights import Model
+from urushi.nets.weights import Model, default_model
 from urushi.textures.baking import Baked
 from urushi.textures.store import TexelGrid
 
@@ -66,16 +71,11 @@ def directions(count: int = 2048) -> tuple[np.ndarray, np.ndarray]:
 
 
 def constant(model, z, tensor=None):
-    from urushi.mitsuba.latents.codes import ConstantLatents
-
     return ConstantLatents(Material(z, model), tensor)
 
 
 def textured(model, *codes):
     """A texture of 4 x 2 texels, in turn of these codes."""
-    from urushi.mitsuba.latents.over_axes import AxisLatents
-    from urushi.mitsuba.latents.texels import texel_axes
-
     grid, texels = TexelGrid(4, 2), np.stack(codes * (8 // len(codes)))
     return AxisLatents(Baked.of_texels(model, texels, grid), texel_axes(grid))
 
@@ -162,10 +162,50 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name):
     dr.enable_grad(tensor)
     f = evaluated(rgb, constant(model, codes.astype(np.float32), tensor), wi, wo)
     weights = np.random.default_rng(3).uniform(0.5, 1.5, (3, len(wi)))
-    pairs = zip(f, weights.astype(np.float32), strict=True)
-    dr.backward(sum(dr.sum(x * rgb.Float(weight)) for x, weight in pairs))
+    each = zip(f, weights.astype(np.float32), strict=True)
+    dr.backward(sum(dr.sum(x * rgb.Float(weight)) for x, weight in each))
     found = dr.grad(tensor).numpy()
     parts = weights[..., None] * slopes(model, codes, wi, wo)
     error = np.abs(found - parts.sum(axis=1)) / (np.abs(parts).sum(axis=1) + 1e-6)
     assert np.isfinite(found).all()
     assert error.max() < 1e-3
+
+
+@pytest.fixture(scope="module")
+def decoder():
+    """By their basis, f of codes of the shipped networks: of a dielectric, a metal and no lobe."""
+    shipped = default_model()
+    rest = np.random.default_rng(0).normal(size=(3, shipped.arch.functions)) * 0.2
+    lobes = [LOBES["dielectrics"][1], (0.1, 0.8, 1, 0, 1.5, 0), numpy_lobe.NO_LOBE]
+    z = np.concatenate([lobes, rest], axis=1).astype(np.float32)
+
+    def f(mi, wi, wo):
+        found = BasisDecoder(shipped, ANY_LOBE)
+        terms = found.code_terms([[mi.Float(float(x)) for x in channel] for channel in z])
+        return found.f_of_terms(terms, wi, wo)
+
+    return f, lambda wi, wo: shipped.networks.f(z[:, None], wi, wo)
+
+
+def test_the_basis_agrees_with_numpy(variant, decoder):
+    import mitsuba as mi
+
+    f, expected = decoder
+    wi, wo = pairs()
+    found = np.array([x.numpy() for x in f(mi, vector(wi), vector(wo))])
+    # functions of 16 bits: half a level of each, of 2.5e-4 of a logarithm at most
+    np.testing.assert_allclose(found, expected(wi, wo), rtol=1e-3)
+    assert table_of(default_model()) is table_of(default_model())  # plugins share it
+
+
+def test_derivatives_by_directions_are_differences(rgb, decoder):
+    def f(x):
+        wi = dr.normalize(rgb.Vector3f(0.31 + x, 0.2, 0.9))
+        return decoder[0](rgb, wi, dr.normalize(rgb.Vector3f(-0.5, 0.17, 0.6)))[0]
+
+    change = rgb.Float(0)
+    dr.enable_grad(change)
+    value = f(change)
+    dr.forward(change)
+    slope = (f(1e-3) - f(-1e-3)) / 2e-3  # within one cell of the table
+    np.testing.assert_allclose(value.grad.numpy(), slope.numpy(), rtol=0.02)

@@ -4,10 +4,12 @@ import re
 import shutil
 from pathlib import Path
 
+import mitsuba as mi
 import numpy as np
 import pytest
 from tests.mitsuba.probes import bitmap
 
+import urushi
 from urushi import files
 from urushi.errors import UrushiWarning
 from urushi.mitsuba.reading import probing
@@ -34,8 +36,6 @@ def loaded(mi, path, networks):
 @pytest.fixture(scope="module")
 def baked(networks, tmp_path_factory):
     """A baked texture and its file, for all tests."""
-    import mitsuba as mi
-
     mi.set_variant("llvm_ad_rgb")
     path = tmp_path_factory.mktemp("saved") / "coat.safetensors"
     shear = mi.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
@@ -53,32 +53,28 @@ def saved(rgb, baked, tmp_path):
     return bsdf, Path(shutil.copy(path, tmp_path))
 
 
-def test_texels_have_the_codes_of_the_places(rgb, networks, saved):
+def test_texels_have_the_codes_of_the_places_and_are_written_the_same_again(
+    rgb, networks, saved, tmp_path
+):
     bsdf, path = saved
-    again = loaded(rgb, path, networks).latents
-    grid = again.baked.grid
+    again = loaded(rgb, path, networks)
+    grid = again.latents.baked.grid
     assert grid == TexelGrid(9, 9)
     expected = bsdf.latents.at(grid.uv())
     # 8 bits of a number's range
     tolerance = 0.01 * np.ptp(expected, axis=(0, 1)) + 1e-4
-    assert (np.abs(again.at(grid.uv()) - expected) <= tolerance).all()
-
-
-def test_a_saved_texture_is_written_the_same_again(rgb, networks, saved, tmp_path):
-    _, path = saved
-    loaded(rgb, path, networks).save(tmp_path / "again.safetensors")
+    assert (np.abs(again.latents.at(grid.uv()) - expected) <= tolerance).all()
+    again.save(tmp_path / "again.safetensors")
     assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
 
 
 def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
-    import urushi
-
-    properties = described(rgb, networks) | {"albedo": 0.5}
-    bsdf = rgb.load_dict(properties)
-    bsdf.save(tmp_path / "coat.safetensors")
-    material = urushi.load(tmp_path / "coat.safetensors", networks)
+    path = tmp_path / "coat.safetensors"
+    bsdf = rgb.load_dict(described(rgb, networks) | {"albedo": 0.5})
+    bsdf.save(path)
+    material = urushi.load(path, networks)
     np.testing.assert_array_equal(material.latents, bsdf.latents.at(np.zeros((1, 2)))[0])
-    assert str(loaded(rgb, tmp_path / "coat.safetensors", networks))
+    assert str(loaded(rgb, path, networks))
 
 
 def test_a_saved_texture_can_be_coated(rgb, networks, saved):
@@ -97,17 +93,13 @@ def test_a_saved_texture_can_be_coated(rgb, networks, saved):
 @pytest.mark.slow
 def test_a_saved_texture_under_unusual_coats_warns_once(rgb, networks, saved):
     """Not for every texel, of which the coat has a whole number in each of the saved ones."""
-    depth = np.linspace(1, 20, 16, dtype=np.float32).reshape(4, 4, 1)
-    texture = bitmap(depth)
+    texture = bitmap(np.linspace(1, 20, 16).reshape(4, 4, 1))
     coat = {"type": "neural_layered", "weights": str(networks), "albedo": 1.0, "g": 0.95}
     with pytest.warns(UrushiWarning) as caught:
         base = loaded(rgb, saved[1], networks)
         grid = rgb.load_dict(coat | {"sigma_t": texture, "base": base}).latents.baked.grid
-    assert (
-        grid.width % base.latents.baked.grid.width
-        == grid.height % base.latents.baked.grid.height
-        == 0
-    )
+    below = base.latents.baked.grid
+    assert grid.width % below.width == grid.height % below.height == 0
     (warning,) = caught
     sentence = r"^neural_layered: g is outside \[-0.8, 0.9\] and sigma_t is above 8"
     assert re.match(sentence, str(warning.message))

@@ -87,21 +87,6 @@ def test_dark_texels_of_a_nested_metal_are_the_least_width(rgb):
     np.testing.assert_array_equal(black[0], least[0])
 
 
-def test_a_coat_over_a_textured_plastic_is_the_walk(rgb):
-    """Within 4 %, by the lobe of the plastic's parameters; by a fitted one it was 14 % too dark."""
-    data = np.array([[[0.05, 0.1, 0.3], [0.3, 0.1, 0.05]]])
-    color = bitmap(data, filter_type="nearest")
-    plastic = {"type": "roughplastic", "distribution": "ggx", "alpha": 0.05, "int_ior": 1.9}
-    plastic["diffuse_reflectance"] = color
-    (found, _), (expected, error) = (
-        mean_and_error(
-            rgb, rgb.load_dict({"type": name, "alpha": 0.3, "base": plastic}), (0.25, 0.5)
-        )
-        for name in ("neural_layered", "layered")
-    )
-    assert (np.abs(found - expected) < 0.04 * expected + 4 * error).all()
-
-
 def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb):
     """As of a constant one, within 5 %; only few azimuths contribute to the light of a narrow
     lobe, and a constant bottom has a table."""

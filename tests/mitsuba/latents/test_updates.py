@@ -28,13 +28,10 @@ def described(mi, networks, **properties) -> dict:
     }
 
 
-def changed(mi, bsdf, **values) -> None:
-    """Set parameters; names have "_" in place of "."."""
-    parameters = mi.traverse(bsdf)
-    for name, value in values.items():
-        key = name.replace("_", ".").replace("sigma.t", "sigma_t")
-        parameters[key] = value if np.ndim(value) == 0 else mi.TensorXf(np.float32(value))
-    parameters.update()
+def changed(mi, bsdf, values: dict) -> None:
+    """Set parameters to numbers and arrays."""
+    tensors = {k: x if np.ndim(x) == 0 else mi.TensorXf(np.float32(x)) for k, x in values.items()}
+    probes.update(bsdf, tensors)
 
 
 def codes(bsdf) -> np.ndarray:
@@ -51,63 +48,69 @@ def check_equal(bsdf, fresh) -> None:
 def test_changes_of_numbers_and_textures(rgb, networks):
     bsdf = rgb.load_dict(described(rgb, networks))
     narrow, wide = 0.2 + 0.6 * noise(3, 2), 1.2 * noise(3, 3) - 0.1
-    larger = np.repeat(noise(3), 2, axis=0)
+    larger, now = np.repeat(noise(3), 2, axis=0), {"sigma_t": 2.0}
     base = {"type": "diffuse", "reflectance": bitmap(narrow)}
     for given, properties in (
-        ({"sigma_t_value": 2.0}, {}),
-        ({"albedo_data": narrow}, {"albedo": bitmap(narrow)}),
-        ({"albedo_data": wide}, {"albedo": bitmap(wide)}),
-        ({"albedo_data": larger, "bottom_reflectance_data": narrow}, {"base": base}),
+        ({"sigma_t.value": 2.0}, {}),
+        ({"albedo.data": narrow}, {"albedo": bitmap(narrow)}),
+        ({"albedo.data": wide}, {"albedo": bitmap(wide)}),
+        (
+            {"albedo.data": larger, "bottom.reflectance.data": narrow},
+            {"albedo": bitmap(larger), "base": base},
+        ),
     ):
-        changed(rgb, bsdf, **given)
-        if "bottom_reflectance_data" in given:
-            properties["albedo"] = bitmap(larger)
-        check_equal(bsdf, rgb.load_dict(described(rgb, networks, sigma_t=2.0, **properties)))
+        changed(rgb, bsdf, given)
+        check_equal(bsdf, rgb.load_dict(described(rgb, networks, **now | properties)))
 
 
 def test_changes_within_ranges_bake_nothing(rgb, networks, few_points):
-    bsdf = rgb.load_dict(described(rgb, networks))
-    baked = bsdf.latents.baked
-    changed(rgb, bsdf, albedo_data=noise(3))
-    changed(rgb, bsdf, albedo_data=0.2 + 0.6 * noise(3), bottom_reflectance_data=noise(3, 2))
-    assert bsdf.latents.baked is baked
-    changed(rgb, bsdf, sigma_t_value=2.0)
-    assert bsdf.latents.baked is not baked
+    """Unless they change what two parameters of one texture have to do with each other."""
+    one = {"type": "neural_layered", "body": 0.6, "body_color": bitmap(noise(3))}
+    for coat, kept, baking in (
+        (
+            described(rgb, networks),
+            {"albedo.data": 0.2 + 0.6 * noise(3), "bottom.reflectance.data": noise(3, 2)},
+            {"sigma_t.value": 2.0},
+        ),
+        (
+            one | {"base": {"type": "diffuse"}},
+            {"body_color.data": noise(3)[::-1].copy()},
+            {"body.value": 0.4},  # of the same colours, other depths
+        ),
+    ):
+        bsdf = rgb.load_dict(coat)
+        baked = bsdf.latents.baked
+        changed(rgb, bsdf, kept)
+        assert bsdf.latents.baked is baked
+        changed(rgb, bsdf, baking)
+        assert bsdf.latents.baked is not baked
 
 
-def test_a_constant_of_a_textured_bottom(rgb, networks, few_points):
+def test_changes_of_nested_bsdfs(rgb, networks, few_points):
+    """A constant of a textured bottom, and a texture of a nested coat."""
     base = {"type": "roughconductor", "alpha": bitmap(noise(1)), "distribution": "beckmann"}
-    bsdf = rgb.load_dict(described(rgb, networks, albedo=0.5, base=base))
-    changed(rgb, bsdf, bottom_eta_value=0.5)
-    base |= {"eta": 0.5, "k": 1.0}
-    check_equal(bsdf, rgb.load_dict(described(rgb, networks, albedo=0.5, base=base)))
-
-
-def test_a_change_of_a_nested_coat(rgb, networks, few_points):
-    inner = described(rgb, networks)
-    outer = {"type": "neural_layered", "weights": str(networks), "alpha": 0.1, "inner": inner}
-    bsdf = rgb.load_dict(outer)
-    pixels = noise(3)
+    inner, pixels = described(rgb, networks), noise(3)
     pixels[0, 0] = 0.95
-    changed(rgb, bsdf, bottom_albedo_data=pixels)
-    inner["albedo"] = bitmap(pixels)
-    check_equal(bsdf, rgb.load_dict(outer))
+    for below, key, value, changes in (
+        (base, "bottom.eta.value", 0.5, {"eta": 0.5, "k": 1.0}),
+        (inner, "bottom.albedo.data", pixels, {"albedo": bitmap(pixels)}),
+    ):
+        bsdf = rgb.load_dict(described(rgb, networks, albedo=0.5, base=below))
+        changed(rgb, bsdf, {key: value})
+        fresh = described(rgb, networks, albedo=0.5, base=below | changes)
+        check_equal(bsdf, rgb.load_dict(fresh))
 
 
 def test_a_change_out_of_range_can_be_taken_back(rgb, networks, few_points):
+    """But for a bitmap of four channels, which Mitsuba would read beyond its end."""
     bsdf = rgb.load_dict(described(rgb, networks))
     before = codes(bsdf)
     with pytest.raises(ParameterError, match="albedo is .*; it must be"):
-        changed(rgb, bsdf, albedo_data=noise(3) + 1)
-    changed(rgb, bsdf, albedo_data=noise(3))
+        changed(rgb, bsdf, {"albedo.data": noise(3) + 1})
+    changed(rgb, bsdf, {"albedo.data": noise(3)})
     np.testing.assert_array_equal(codes(bsdf), before)
-
-
-def test_a_bitmap_of_four_channels_is_refused(rgb, networks, few_points):
-    """Mitsuba would read beyond its end and end the process; it cannot take the bitmap back."""
-    bsdf = rgb.load_dict(described(rgb, networks))
     with pytest.raises((ParameterError, RuntimeError), match="changed to .*4 channels"):
-        changed(rgb, bsdf, albedo_data=noise(4))
+        changed(rgb, bsdf, {"albedo.data": noise(4)})
 
 
 @pytest.mark.parametrize("plugin", ("neural_layered", "layered"))

@@ -35,16 +35,16 @@ def values(bsdf, walks: int) -> np.ndarray:
 
 
 def test_the_plugin_is_the_walk(rgb):
-    degrees = 30
-    turn = {"rotation": float(degrees)}
-    bottom = conductor(eta=0.2, k=3.9, alpha_u=0.1, alpha_v=0.4)
-    one = coat(diffuse(0.6), **MEDIUM, **WIDTHS)
-    check_walk(layered(rgb, **WIDTHS, **turn), one, degrees)
-    both = coat(bottom, **MEDIUM, **WIDTHS)
-    check_walk(layered(rgb, metal(), **WIDTHS, **turn), both, degrees)
-    three = coat(coat(bottom, 0.3, 1.2), alpha_u=0.2, alpha_v=0.5, **MEDIUM)
+    degrees, bottom = 30, conductor(eta=0.2, k=3.9, alpha_u=0.1, alpha_v=0.4)
+    turn, wide = {"rotation": float(degrees)}, {"alpha_u": 0.2, "alpha_v": 0.5}
     inner = {"type": "layered", "alpha": 0.3, "int_ior": 1.8, "base": metal()}
-    check_walk(layered(rgb, inner, alpha_u=0.2, alpha_v=0.5, **turn), three, degrees)
+    for base, widths, below in (
+        (None, WIDTHS, diffuse(0.6)),
+        (metal(), WIDTHS, bottom),
+        (inner, wide, coat(bottom, 0.3, 1.2)),
+    ):
+        stack = coat(below, **MEDIUM, **widths)
+        check_walk(layered(rgb, base, **widths, **turn), stack, degrees)
 
 
 def test_the_proposal_follows_an_anisotropic_bottom(rgb):
@@ -63,13 +63,12 @@ def test_the_proposal_follows_an_anisotropic_bottom(rgb):
         assert alpha.numpy()[0] == pytest.approx(0.2, rel=0.1)
 
 
-def test_equal_widths_are_one_width(rgb):
-    one = values(layered(rgb, metal(), alpha=0.2), 512)
-    two = values(layered(rgb, metal(), alpha_u=0.2, alpha_v=0.2), 512)
+def test_equal_widths_are_one_width_and_textures_are_numbers(rgb):
+    one, two = (
+        values(layered(rgb, metal(), **x), 512)
+        for x in ({"alpha": 0.2}, {"alpha_u": 0.2, "alpha_v": 0.2})
+    )
     np.testing.assert_array_equal(one, two)
-
-
-def test_textures_are_numbers_at_each_point(rgb):
     numbers = {**WIDTHS, "rotation": 25.0}
     plain = values(layered(rgb, **numbers), 1 << 14)
     textures = {name: bitmap(np.full((4, 4, 1), value)) for name, value in numbers.items()}
@@ -94,16 +93,10 @@ def test_widths_that_are_colours_are_walks_of_their_own(rgb):
     assert both.mean(axis=0).std() > 0.05 * both.mean()
 
 
-def test_monochromatic_variants_read_the_luminance_of_a_colour():
-    import mitsuba as mi
-
-    import urushi  # noqa: F401  (registers the plugins)
-
-    if "llvm_ad_mono" not in mi.variants():
-        pytest.skip("Mitsuba has no variant llvm_ad_mono")
-    mi.set_variant("llvm_ad_mono")
+def test_monochromatic_variants_read_the_luminance_of_a_colour(rgb):
+    """By the weights of Rec. 709."""
+    rgb.set_variant("llvm_ad_mono")
     color = {"type": "rgb", "value": [0.1, 0.4, 0.7]}
-    parameters = mi.traverse(layered(mi, alpha_u=color, alpha_v=0.2))
-    # Rec. 709: the weights of red, green and blue.
+    parameters = rgb.traverse(layered(rgb, alpha_u=color, alpha_v=0.2))
     luminance = 0.2126 * 0.1 + 0.7152 * 0.4 + 0.0722 * 0.7
     assert parameters["alpha_u.value"][0] == pytest.approx(luminance, rel=1e-3)

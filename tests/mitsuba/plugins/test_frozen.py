@@ -34,11 +34,7 @@ def coat(name: str, networks, textured: bool) -> dict:
     return {"type": name, **COAT, "albedo": albedo, "base": base, **extra}
 
 
-def scene(mi, bsdf, **options):
-    return mi.load_dict(spheres(bsdf, **options))
-
-
-def picture(mi, loaded, seed) -> np.ndarray:
+def picture(mi, loaded, seed=0) -> np.ndarray:
     return mi.render(loaded, spp=4, seed=seed)
 
 
@@ -161,7 +157,7 @@ def test_a_signature_has_every_attribute(rgb):
 
 @pytest.mark.slow
 def test_gradients_inside_equal_those_outside(rgb, networks):
-    loaded = scene(rgb, coat("neural_layered", networks, False), integrator="prb")
+    loaded = rgb.load_dict(spheres(coat("neural_layered", networks, False), integrator="prb"))
     parameters, key = rgb.traverse(loaded), "sphere0.bsdf.alpha.value"
 
     def step(loaded, parameters, seed):
@@ -185,13 +181,13 @@ def test_gradients_inside_equal_those_outside(rgb, networks):
 
 
 def test_updates_inside_are_refused(rgb, networks):
-    loaded = scene(rgb, coat("layered", networks, False))
+    loaded = rgb.load_dict(spheres(coat("layered", networks, False)))
     parameters, key = rgb.traverse(loaded), "sphere0.bsdf.alpha.value"
 
     def changed(loaded, parameters, value):
         parameters[key] = value
         parameters.update()
-        return picture(rgb, loaded, 0)
+        return picture(rgb, loaded)
 
     with pytest.raises(RuntimeError, match="frozen") as caught:
         dr.freeze(changed)(loaded, parameters, rgb.Float(0.5))
@@ -207,8 +203,8 @@ def test_a_scene_is_freed_without_garbage_collection(rgb, networks, textured):
     cannot record."""
     assert not gc.isenabled()
     bsdf = rgb.load_dict(coat("neural_layered", networks, textured))
-    loaded = scene(rgb, bsdf)
-    picture(rgb, loaded, 0).numpy()
+    loaded = rgb.load_dict(spheres(bsdf))
+    picture(rgb, loaded).numpy()
     codes = weakref.ref(bsdf.latents)
     del bsdf, loaded
     assert codes() is None
@@ -216,9 +212,9 @@ def test_a_scene_is_freed_without_garbage_collection(rgb, networks, textured):
 
 def test_a_plugin_outlives_its_scene(rgb, networks):
     bsdf = rgb.load_dict(coat("neural_layered", networks, False))
-    first, second = (scene(rgb, bsdf) for _ in range(2))
-    expected = picture(rgb, first, 0).numpy()
+    first, second = (rgb.load_dict(spheres(bsdf)) for _ in range(2))
+    expected = picture(rgb, first).numpy()
     del first
     gc.collect()
-    found = dr.freeze(lambda loaded: picture(rgb, loaded, 0))(second).numpy()
+    found = dr.freeze(lambda loaded: picture(rgb, loaded))(second).numpy()
     np.testing.assert_allclose(found, expected, rtol=1e-4)

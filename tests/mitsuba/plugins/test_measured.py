@@ -31,15 +31,6 @@ def test_under_layered_values_agree_with_the_simulation(rgb, merl_file):
 
 
 @pytest.fixture
-def spectral():
-    import mitsuba as mi
-
-    mi.set_variant("llvm_ad_spectral")
-    yield mi
-    mi.set_variant("llvm_ad_rgb")
-
-
-@pytest.fixture
 def ggx_file(tmp_path, monkeypatch):
     """Writes an RGL file of a rough GGX conductor of Schlick's reflectances (channels,)."""
     writers = runpy.run_path(str(Path(__file__).parents[2] / "measured" / "writers.py"))

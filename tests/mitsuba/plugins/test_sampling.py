@@ -4,6 +4,7 @@ import drjit as dr
 import numpy as np
 import pytest
 from tests.directions import in_plane
+from tests.mitsuba import sampling
 
 from urushi.material import Material
 
@@ -60,7 +61,7 @@ def materials(kind: str, networks, model, codes, folder) -> list[dict]:
 
 
 @pytest.mark.parametrize("kind", ["neural_brdf", "neural_layered", "layered", "nested"])
-def test_samples_follow_the_density(rgb, sampling, networks, model, codes, tmp_path, kind):
+def test_samples_follow_the_density(rgb, networks, model, codes, tmp_path, kind):
     described = materials(kind, networks, model, codes, tmp_path)
     for degrees, material in zip(ANGLES, described, strict=True):
         sampling.check(rgb.load_dict(material), [degrees], len(ANGLES))

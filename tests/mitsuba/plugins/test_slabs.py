@@ -5,7 +5,8 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from tests.directions import in_plane
-from tests.mitsuba.probes import check_walk, f, spheres, update, vector
+from tests.mitsuba import sampling
+from tests.mitsuba.probes import check_walk, f, on_all_sides, spheres, update, vector
 
 import urushi
 from urushi.core.direction_sets import cosine_pairs
@@ -66,28 +67,28 @@ INDICES = {
     "brushed body": 1.6,
     "two on a body": 1.7,
 }
-#: Slabs of the first tier.
-FIRST = ("sharp pane", "brushed", "body", "two on a body")
+#: Slabs of which `neural_layered` has tables, and cases of the first tier.
+TABLES = ("pane", "paper", "body", "a medium on a pane", "lacquered")
+FIRST = {("layered", x) for x in ("sharp pane", "brushed", "two on a body")}
+FIRST |= {("neural_layered", "body")}
+SLOW = pytest.mark.slow
 #: Angles of wi from the normal [degrees], above and below.
 ANGLES = (0, 70, 89, 95, 150)
 
 
-def load(mi, slab: dict):
+def load(mi, slab: dict, plugin: str = "layered"):
     """The slab, and its glass, in a vacuum."""
     glass = {
         key: value | {"ext_ior": 1.0}
         for key, value in slab.items()
         if isinstance(value, dict) and "dielectric" in value["type"]
     }
-    return mi.load_dict({"type": "layered", "ext_ior": 1.0} | slab | glass)
+    return mi.load_dict({"type": plugin, "ext_ior": 1.0} | slab | glass)
 
 
 def all_sides(count: int):
     """Interactions and directions of pairs, of which as many pass as are reflected."""
-    wi, wo = cosine_pairs(np.random.default_rng(4), count)
-    wi[::2, 2] *= -1
-    wo[::4, 2] *= -1
-    wo[1::4, 2] *= -1
+    wi, wo = on_all_sides(*cosine_pairs(np.random.default_rng(4), count))
     return probing.interaction(wi, np.zeros((count, 2))), vector(wo)
 
 
@@ -111,11 +112,17 @@ def test_f_is_that_of_simulate_on_all_sides(rgb, name):
 
 
 @pytest.mark.parametrize(
-    "name",
-    [name if name in FIRST else pytest.param(name, marks=pytest.mark.slow) for name in SLABS],
+    ("plugin", "name"),
+    [
+        pytest.param(*case, marks=() if case in FIRST else SLOW)
+        for case in (*(("layered", x) for x in SLABS), *(("neural_layered", x) for x in TABLES))
+    ],
 )
-def test_samples_follow_the_density_on_the_sphere(rgb, sampling, name):
-    sampling.check(load(rgb, SLABS[name]), ANGLES, len(SLABS), INDICES.get(name, 1.0))
+def test_samples_follow_the_density_on_the_sphere(rgb, plugin, name):
+    bsdf, has, flags = load(rgb, SLABS[name], plugin), rgb.has_flag, rgb.BSDFFlags
+    assert has(bsdf.flags(), flags.Transmission) and has(bsdf.flags(), flags.BackSide)
+    assert has(bsdf.flags(), flags.NonSymmetric) == (name in INDICES)
+    sampling.check(bsdf, ANGLES, len(SLABS), INDICES.get(name, 1.0))
 
 
 @pytest.mark.parametrize("name", ["paper", "body"])
@@ -139,15 +146,6 @@ def test_the_weights_of_samples_add_up_to_the_shares(rgb, name, degrees):
         error = np.hypot(value.std() / np.sqrt(count), se[0, 0])
         assert abs(value.mean() - expected[0, 0]) < 5 * error
         assert error < 0.03 * expected[0, 0]
-
-
-def test_flags(rgb):
-    has, flags = rgb.has_flag, rgb.BSDFFlags
-    for name, slab in SLABS.items():
-        bsdf = load(rgb, slab)
-        assert has(bsdf.flags(), flags.Transmission)
-        assert has(bsdf.flags(), flags.BackSide)
-        assert has(bsdf.flags(), flags.NonSymmetric) == (name in INDICES)
 
 
 CLEAR = {"int_ior": 1.0, "ext_ior": 1.0, "sigma_t": 1.0}
@@ -192,20 +190,12 @@ def test_refusals(rgb, plugin):
             rgb.load_dict({"type": "twosided", "slab": slab})
 
 
-#: Slabs that `neural_layered` has tables of. Of nested slabs only the parameters count.
-TABLES = {
-    "pane": {"alpha": 0.02, "int_ior": 1.5},
-    **{name: SLABS[name] for name in ("paper", "body", "a medium on a pane", "lacquered")},
-}
-
-
-def test_tables_are_the_walk_on_all_sides(rgb):
-    mi.set_variant("llvm_ad_spectral")
+def test_tables_are_the_walk_on_all_sides(spectral):
     si, to = all_sides(64)
     wi, wo = si.wi.numpy().T, to.numpy().T
     cosine = np.abs(wo[:, 2])
     for name in ("paper", "body"):
-        table = mi.load_dict({"type": "neural_layered", "ext_ior": 1.0} | TABLES[name])
+        table = load(mi, SLABS[name], "neural_layered")
         for mode in ("Radiance", "Importance"):
             context = mi.BSDFContext(getattr(mi.TransportMode, mode))
             f = table.eval(context, si, to).numpy()[0]
@@ -213,14 +203,6 @@ def test_tables_are_the_walk_on_all_sides(rgb):
             expected, _ = urushi.simulate(DESCRIBED[name], wi, wo, **options)
             error = np.abs(f - expected[:, 0] * cosine)
             assert error.sum() < 0.05 * (expected[:, 0] * cosine).sum()
-    mi.set_variant("llvm_ad_rgb")
-
-
-@pytest.mark.parametrize("name", TABLES)
-def test_samples_of_tables_follow_their_density(rgb, sampling, name):
-    bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES[name])
-    assert rgb.has_flag(bsdf.flags(), rgb.BSDFFlags.Transmission)
-    sampling.check(bsdf, ANGLES, len(TABLES), INDICES.get(name, 1.0))
 
 
 @pytest.mark.parametrize("sigma_t", [0.0, 0.3])
@@ -239,7 +221,7 @@ def test_a_coat_of_the_glass_s_own_index_is_its_surface(rgb, sigma_t):
 
 
 def test_tables_are_small_and_refuse_other_gradients(rgb):
-    bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES["pane"])
+    bsdf = load(rgb, SLABS["pane"], "neural_layered")
     held = [*bsdf._reflected, bsdf._passed]
     assert all(dr.type_v(table) == dr.VarType.Float16 for table in held)
     assert 2 * sum(map(len, held)) <= 1e6
@@ -252,7 +234,7 @@ def test_tables_are_small_and_refuse_other_gradients(rgb):
 
 def test_tables_have_derivatives_of_the_medium(rgb):
     """Those of f summed over pairs on all sides, against slabs at 0.08 to both sides."""
-    bsdf = rgb.load_dict({"type": "neural_layered"} | TABLES["body"])
+    bsdf = load(rgb, SLABS["body"], "neural_layered")
     parameters = rgb.traverse(bsdf)
     si, to = all_sides(256)
 

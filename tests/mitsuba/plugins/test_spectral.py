@@ -3,23 +3,17 @@
 import mitsuba as mi
 import numpy as np
 import pytest
-from tests.mitsuba.probes import strip
+from tests.mitsuba.probes import in_white_world, strip
 
-import urushi  # noqa: F401  (registers the plugins)
 from urushi.core.namespace import NUMPY
 from urushi.measured.rgl import srgb_weights
 from urushi.mitsuba import spectrum
 
+pytestmark = pytest.mark.usefixtures("spectral")
+
 RED, GREEN, DULL = (0.9, 0.05, 0.02), (0.05, 0.9, 0.02), (0.1, 0.5, 0.3)
 GREY = {"type": "diffuse", "reflectance": 0.8}
 METAL = {"type": "roughconductor", "distribution": "ggx"}
-
-
-@pytest.fixture(autouse=True)
-def spectral():
-    mi.set_variant("llvm_ad_spectral")
-    yield
-    mi.set_variant("llvm_ad_rgb")
 
 
 def coated(plugin: str, bottom: dict, **medium) -> dict:
@@ -60,24 +54,10 @@ def dark_metal() -> dict:
     return METAL | {"material": "none", "alpha": 0.3, "specular_reflectance": texture(GREEN)}
 
 
-def furnace(bsdf: dict, spp: int = 1024) -> np.ndarray:
-    """Linear sRGB of a plane in a white world, seen at 40 degrees."""
-    transform = mi.ScalarTransform4f().look_at([0, 2.5, 3], [0, 0, 0], [0, 1, 0])
-    film = {"type": "hdrfilm", "width": 8, "height": 8, "rfilter": {"type": "box"}}
-    scene = {
-        "type": "scene",
-        "integrator": {"type": "path", "max_depth": 2},
-        "sensor": {"type": "perspective", "fov": 15, "to_world": transform, "film": film},
-        "light": {"type": "constant", "radiance": {"type": "d65"}},
-        "shape": {"type": "rectangle", "bsdf": bsdf},
-    }
-    return np.array(mi.render(mi.load_dict(scene), spp=spp)).mean(axis=(0, 1))[:3]
-
-
 @pytest.mark.parametrize("name", MATERIALS)
 def test_saturated_colours_are_those_of_the_walk(name):
     material, tolerance, least = MATERIALS[name]
-    walk, coat = (furnace(material(plugin)) for plugin in ("layered", "neural_layered"))
+    walk, coat = (in_white_world(material(plugin)) for plugin in ("layered", "neural_layered"))
     error = np.abs(coat - walk)
     np.testing.assert_array_less(error, tolerance * np.abs(walk) + least * walk.max())
 

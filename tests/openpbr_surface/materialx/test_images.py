@@ -82,18 +82,10 @@ def test_usd_textures_are_black_outside(textured):
     """Whatever their fallback is, where they are asked to be."""
     scale = ("vector2", "0.5, 0.5")
     body = UV + element("place2d", "vector2", "p", texcoord=("vector2", "@uv"), scale=scale)
-    body += element(
-        "UsdUVTexture",
-        "multioutput",
-        "t",
-        file=FILE,
-        wrapS=("string", "black"),
-        wrapT=("string", "black"),
-        fallback=("color4", "1, 1, 1, 1"),
-        st=("vector2", "@p"),
-    )
-    body += """<dot name="n" type="color3">
-        <input name="in" type="color3" nodename="t" output="rgb"/></dot>"""
+    black = {f"wrap{axis}": ("string", "black") for axis in "ST"}
+    black |= {"fallback": ("color4", "1, 1, 1, 1"), "st": ("vector2", "@p")}
+    body += element("UsdUVTexture", "multioutput", "t", file=FILE, **black)
+    body += element("dot", "color3", in_=("color3", 'nodename="t" output="rgb"'))
     pixels = textured(body, 18).pixels
     assert (pixels[9:, :9] > 0).all()
     assert (pixels[:9] == 0).all() and (pixels[:, 9:] == 0).all()
@@ -201,8 +193,8 @@ def test_tiles_are_parts_of_one_texture(document, llvm, grid):
 
 
 def test_colours_of_images_are_converted(textured):
-    body = '<image name="n" type="color3"><input name="file" type="filename" value="a.exr" '
-    body += 'colorspace="srgb_texture"/></image>'
+    file = ("filename", 'value="a.exr" colorspace="srgb_texture"')
+    body = element("image", "color3", file=file)
     grey = 0.5 + 0.5 * PIXELS[..., :1]
     linear = ((grey + 0.055) / 1.055) ** 2.4
     assert np.allclose(textured(body, pixels=grey).pixels, linear, atol=5e-5)  # OpenColorIO's power

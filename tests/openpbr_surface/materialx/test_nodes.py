@@ -63,12 +63,9 @@ def test_nodes_of_numbers(evaluate, tag, inputs, expected):
 VECTOR = ("vector3", "0.9, 0.4, 0.8")  # of a normal map: (0.8, -0.2, 0.6)
 BENT = np.array([0.8, -0.2, 0.6]) / np.sqrt(1.04)
 UV = element("texcoord", "vector2", "uv")
+AMOUNT = 'value="{}" unittype="angle" unit="{}"'
 #: rotate2d by a quarter turn, in a unit.
-QUARTER = (
-    UV
-    + """<rotate2d name="n" type="vector2"><input name="in" type="vector2" nodename="uv"/>
-    <input name="amount" type="float" value="{}" unittype="angle" unit="{}"/></rotate2d>"""
-)
+QUARTER = UV + element("rotate2d", "vector2", in_=("vector2", "@uv"), amount=("float", AMOUNT))
 
 
 CASES = {
@@ -80,8 +77,7 @@ CASES = {
     "channels": (
         element("combine3", "color3", "c", **{f"in{k}": float(k) for k in (1, 2, 3)})
         + element("separate3", "multioutput", "s", in_=("color3", "@c"))
-        + """<dot name="n" type="float">
-        <input name="in" type="float" nodename="s" output="outg"/></dot>""",
+        + element("dot", "float", in_=("float", 'nodename="s" output="outg"')),
         (2,),
     ),
     "texcoord in space": (element("texcoord", "vector3"), (U, V, 0)),

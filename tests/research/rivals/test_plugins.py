@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from research.rivals import belcour, weidlich
+from tests.mitsuba import sampling
 from tests.mitsuba.probes import f
 
 import urushi
@@ -64,7 +65,7 @@ def coats() -> list[dict]:
     ]
 
 
-def test_samples_follow_the_normalised_density(rgb, sampling):
+def test_samples_follow_the_normalised_density(rgb):
     angles = 0, 45, 70, 89, 20, 60
     for seed, (degrees, coat) in enumerate(zip(angles, coats(), strict=True)):
         test = sampling.chi_squared(rgb.load_dict(coat), degrees, seed)
