@@ -25,7 +25,10 @@ TOLERANCE = 0.03
     "case", [pytest.param(name, marks=() if name in FIRST else RARE[name]) for name in SLOPES]
 )
 def test_slopes_are_those_of_the_walk(rgb, case):
-    """With nearly the same f as without gradients: by codes in place of a table."""
+    """With nearly the same f as without gradients: by codes in place of a table.
+
+    Two standard errors of the walk are added. They exceed the tolerance for sharp gold alone.
+    """
     found = slopes(case)
     assert found.away < 0.04
-    assert found.derivative == pytest.approx(found.walk, abs=TOLERANCE * found.size)
+    assert found.derivative == pytest.approx(found.walk, abs=TOLERANCE * found.size + 2 * found.error)
