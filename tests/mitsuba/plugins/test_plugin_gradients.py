@@ -31,4 +31,6 @@ def test_slopes_are_those_of_the_walk(rgb, case):
     """
     found = slopes(case)
     assert found.away < 0.04
-    assert found.derivative == pytest.approx(found.walk, abs=TOLERANCE * found.size + 2 * found.error)
+    assert found.derivative == pytest.approx(
+        found.walk, abs=TOLERANCE * found.size + 2 * found.error
+    )
