@@ -373,7 +373,7 @@ def _of_surfaces() -> list[Function]:
 #: Constants of the file, by their modules; `core.table` is the object TABLE.
 CONSTANTS: dict[str, str] = {
     "checks": "AIR ETA_RANGE MIN_ALPHA MIN_INDEX_STEP TRAINED_G",
-    "core.albedos": "ROUGHNESSES COSINES",
+    "core.albedos": "ROUGHNESSES COSINES TOTAL_CELLS COARSE FINE",
     "core.appearance": "WI WO",
     "core.facets": "MIRROR",
     "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",

@@ -182,9 +182,15 @@ def tables(eta: float | None = None) -> Tables:
 
     eta: the only index, I is 1; None: all of `indexnodes`, which takes seconds the first time.
     """
-    etas, found = indexnodes() if eta is None else np.array([eta]), []
+    etas = indexnodes() if eta is None else np.array([eta])
+    return tables_of(etas, nodes()[0])
+
+
+def tables_of(etas: np.ndarray, widths: np.ndarray) -> Tables:
+    """`tables` at indices and GGX widths."""
+    found = []
     for index in map(float, etas):
-        alphas, cosines = np.meshgrid(*nodes(index), indexing="ij")
+        alphas, cosines = np.meshgrid(widths, nodes(index)[1], indexing="ij")
         w = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
         sums = shares(w.reshape(-1, 3), alphas.ravel(), index)
         found.append(sums.reshape(-1, *alphas.shape))

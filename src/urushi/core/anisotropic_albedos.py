@@ -134,14 +134,17 @@ def surface_loss(
 
     Returns:
         The share, a function of directions (N, 3), and its cosine-weighted mean; 0 for an index of
-        1.
+        1. That of one width is linear between the nodes of the cosine, as on the page.
     """
     if eta == 1:
         return lambda w: np.zeros(len(w)), 0.0
     large, small = max(pair(widths)), min(pair(widths))
-    quotients = np.array([large / small])
+    quotients, isotropic = np.array([large / small]), large == small
     above, below = (
-        _tables(np.array([index]), quotients, np.array([large])) for index in (eta, 1 / eta)
+        albedos.tables_of(np.array([index]), np.array([large]))
+        if isotropic
+        else _tables(np.array([index]), quotients, np.array([large]))
+        for index in (eta, 1 / eta)
     )
     passed, reflected = (
         (1 - mirrored) * diffuse.item() + mirrored * entered.item()
@@ -156,5 +159,9 @@ def surface_loss(
         return np.clip(1 - reflected - inside * passed, 0, 1)
 
     table = left(above.reflected, above.passed)
+    if isotropic:
+        row, places = table.ravel(), np.linspace(0, 1, COSINES)
+        mean = albedos.hemisphere_mean(table, np.array([eta])).item()
+        return lambda w: np.interp(albedos.cosine_coordinate(w[:, 2], eta), places, row), mean
     mean = _hemisphere_mean(table, np.array([eta]), quotients, entered=False).item()
     return lambda w: left(*albedos.shares(w, widths, eta)[:2]), mean

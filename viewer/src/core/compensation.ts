@@ -13,7 +13,7 @@ import { CHANNELS, rows } from "./channels";
 import type { Evaluation } from "./evaluation";
 import { clampedLog, nodePairs } from "./f_table";
 import { APPEARANCE, coatedColor, multipleAlbedo } from "./formulas";
-import { type Loss, mirrorLoss, surfaceLoss } from "./interface_loss";
+import { type Loss, lossAt, mirrorLoss, surfaceLoss } from "./interface_loss";
 import { passedBothWays, reflectance } from "./lobe";
 import { gaussLegendre } from "./quadrature";
 import { coatOfChannel } from "./surfaces";
@@ -89,12 +89,4 @@ export function compensated(material: Material, lost: readonly LostLight[]): Mat
     return clampedLog(Math.log(Math.exp(log) + colour * lobe));
   });
   return { ...material, table: { logs, besideLobe: table.besideLobe } };
-}
-
-/** L at a cosine, linear in its root. */
-function lossAt({ at }: Loss, cosine: number): number {
-  const last = at.length - 1;
-  const place = Math.sqrt(Math.min(Math.max(cosine, 0), 1)) * last;
-  const first = Math.min(Math.floor(place), last - 1);
-  return at[first] + (place - first) * (at[first + 1] - at[first]);
 }

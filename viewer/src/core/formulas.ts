@@ -12,7 +12,8 @@ export const CHECKS = { AIR: 1.000277, ETA_RANGE: [0.5, 3], MIN_ALPHA: 0.01, MIN
   0.0009999, TRAINED_G: [-0.8, 0.9] } as const;
 
 /** Of `urushi.core.albedos` of Python. */
-export const ALBEDOS = { ROUGHNESSES: 16, COSINES: 48 } as const;
+export const ALBEDOS = { ROUGHNESSES: 16, COSINES: 48, TOTAL_CELLS: 24, COARSE: [20, 40], FINE: [28,
+  57] } as const;
 
 /** Of `urushi.core.appearance` of Python. */
 export const APPEARANCE = { WI: [0.6, 0, 0.8], WO: [0, 0.6, 0.8] } as const;

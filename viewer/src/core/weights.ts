@@ -11,7 +11,7 @@ import { type Fields, FileError, TensorFile } from "./safetensors";
 /** Version of the file format. */
 const FORMAT_VERSION = 1;
 
-/** Sizes of codes and networks; see Python's `nets.linear`. */
+/** Sizes of codes and networks; see Python's `nets.networks`. */
 export interface Architecture {
   /** Numbers of one channel's code. */
   readonly latent: number;

@@ -68,7 +68,7 @@ function filled(template: string, text: (number: number, channel: number) => str
   );
 }
 
-/** As `_linear` of Python's `export.texels`. */
+/** As the numbers of `texels` in Python's `textures.gpu`. */
 function linear({ lowest, step, high, low }: LinearNumber): string {
   const term = (place: number, factor: number) => ` + stored[${place}] * ${shaderNumber(factor)}`;
   const offset = shaderNumber(lowest);
