@@ -16,8 +16,11 @@ const PATIENCE = 160;
 /** What a frame costs at first [ms for a million pixels], by the graphics card and by software. */
 const FIRST_COST = { card: 60, software: 3000 };
 
-/** Least frames of a picture at rest where each takes long, and the shaded pixels of all its frames. */
-const SLOW_FRAMES = 6;
+/**
+ * Least frames of a picture at rest where each takes long; more of textures of codes, which are noisier,
+ * and of large pictures. And the shaded pixels of all frames on the page.
+ */
+const [SLOW_FRAMES, MORE_SLOW_FRAMES] = [4, 6];
 const SLOW_PIXELS = 0.55e6;
 
 /** Frames for one of a table, where a texture of codes is decoded: they have fewer directions. */
@@ -176,7 +179,8 @@ export class Painter {
     const most = isTexture ? TEXTURE_FRAMES * MOST_TABLES : MOST_TABLES;
     if (!this.slow) return { frames: most, scale: 1 };
     const whole = SLOW_PIXELS / renderer.pixels(shot);
-    const frames = Math.min(Math.max(Math.round(whole), SLOW_FRAMES), most);
+    const least = isTexture || shot.part ? MORE_SLOW_FRAMES : SLOW_FRAMES;
+    const frames = Math.min(Math.max(Math.round(whole), least), most);
     return { frames, scale: shot.part ? 1 : Math.min(Math.sqrt(whole / frames), 1) };
   }
 

@@ -30,7 +30,7 @@ const OBJECT_SOURCE = included(objectFragment, {
 });
 
 /** Width and directions of the blurred image in the ground, relative to the object's, and its margin. */
-const [MIRROR_SCALE, MIRROR_SHARE, MIRROR_MARGIN] = [0.5, 0.5, 4];
+const [MIRROR_SCALE, MIRROR_SHARE, MIRROR_MARGIN] = [0.5, 0.25, 4];
 
 export class Renderer {
   private readonly gl: Gl;
@@ -56,6 +56,7 @@ export class Renderer {
   constructor(private readonly canvas: HTMLCanvasElement) {
     const gl = contextOf(canvas);
     this.gl = gl;
+    gl.depthFunc(gl.LEQUAL); // what lies at the far plane is drawn where nothing hides it
     this.object = new Program(gl, OBJECT_SOURCE);
     const surfaceOfBasis = included(surfaceSource, { "basis.glsl": basisSource });
     this.surface = new Program(gl, surfaceOfBasis, {}, objectVertex);
@@ -211,8 +212,8 @@ export class Renderer {
         }
       }
       begin(targets.many, place, clip);
-      this.drawBackdrop(camera, shot, isAbove ? images[0].map : null);
       this.drawPaint(camera, images[1].map);
+      this.drawBackdrop(camera, shot, isAbove ? images[0].map : null);
       gl.disable(gl.SCISSOR_TEST);
     }
     this.gather(shot, count);
@@ -300,7 +301,9 @@ export class Renderer {
       const status = gl.clientWaitSync(fence, 0, 0);
       if (status === gl.ALREADY_SIGNALED || status === gl.CONDITION_SATISFIED) break;
       if (status === gl.WAIT_FAILED) break;
-      await new Promise((resolve) => setTimeout(resolve, 2));
+      // Questions cost as well, the more the slower the machine is.
+      const wait = Math.min(2 + 0.1 * (performance.now() - start), 50);
+      await new Promise((resolve) => setTimeout(resolve, wait));
     }
     gl.deleteSync(fence);
     return performance.now() - start;
@@ -313,7 +316,7 @@ export class Renderer {
 
   /** @param toMirror from pixels to the mirror image in the ground; null: there is none. */
   private drawBackdrop(camera: Camera, shot: Shot, toMirror: number[] | null): void {
-    const { backdrop, mesh, map, isPanorama } = this;
+    const { gl, backdrop, mesh, map, isPanorama } = this;
     backdrop.use({
       ...camera,
       turn: turnOf(shot),
@@ -326,7 +329,10 @@ export class Renderer {
       ground: this.ground.texture,
       mirror: this.targets.mirror.textures[0],
     });
-    cover(this.gl);
+    // The object hides a part of it, which thus costs nothing.
+    gl.enable(gl.DEPTH_TEST);
+    cover(gl);
+    gl.disable(gl.DEPTH_TEST);
   }
 
   /** Draw the mesh in the colours that were computed; toShaded: from pixels to them. */

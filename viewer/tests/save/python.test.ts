@@ -41,7 +41,7 @@ const COMPENSATED = [
   { bottom: { kind: "conductor", alpha: 0.3, r0: [0.2, 0.1, 0.05] }, coats: [MATT] },
   { bottom: { kind: "diffuse", reflectance: 0.8 }, coats: [MATT] },
   { bottom: { kind: "diffuse", reflectance: 0.8 }, coats: [{ ...MATT, ior: 0.7 }] },
-  { bottom: { kind: "diffuse", reflectance: [0.05, 0.3, 0.6] }, coats: [{ alpha: 0.05, ior: 0.7 }] },
+  { bottom: { kind: "diffuse", reflectance: 0.05 }, coats: [{ alpha: 0.05, ior: 0.7 }] },
   { bottom: { kind: "conductor", alpha: 0.35, r0: [1, 0.6, 0.2] } },
   { bottom: { kind: "conductor", alpha: [0.2, 0.6, 1], ...METALS.Gold } },
 ].map((material) => ({ ...material, energyCompensation: true }));
