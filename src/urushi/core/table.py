@@ -149,18 +149,15 @@ def interpolated_columns(x: np.ndarray, nodes: np.ndarray, values: np.ndarray) -
     return np.stack([np.interp(x, nodes, column) for column in values.T], axis=-1)
 
 
-def knots_of(sines: Sequence[float], first: int | None = None) -> Knots:
-    """The knots at angles of total reflection.
+def knots_of(sines: Sequence[float]) -> Knots:
+    """The knots at angles of total reflection of sines below one, in any order.
 
-    Args:
-        sines: of the angles, below one, in any order.
-        first: the node of the least angle, the only knot; None: nodes are about where they are
-            without knots.
+    Nodes are about where they are without knots.
     """
     last, knots = SHAPE[1] - 1, list[tuple[float, int]]()
     for sine in sorted(sines):
         v = (1 - (1 - sine * sine) ** 0.5) ** 0.5
-        node = first or round(last * v)
+        node = round(last * v)
         if node < last and (not knots or node > knots[-1][1] + 1):
             knots.append((v, node))
     return tuple(knots)

@@ -35,6 +35,7 @@ from urushi.material.coated_table import SLAB_POINTS, rest_at_nodes
 from urushi.material.reflector import Reflector
 from urushi.material.slab_coordinates import (
     Faces,
+    Indices,
     InnerLobes,
     grazing_factor,
     mirrored_inside,
@@ -82,7 +83,7 @@ class SlabTables(NamedTuple):
         reflected: above the slab and below it, divided by `mirrored_inside`.
         passed: float16 (*`PASSED_SHAPE`, C) logarithms of f of transmission, divided by the squared
             index on wo's side and by `grazing_factor` of both directions.
-        eta: index below it relative to above.
+        indices: of the media above and below, relative to its thinnest medium.
         faces: alpha and eta of the first interface on each side.
         depths: (2, C) optical depths of the media on each side of the interfaces.
         inner: the lobes of `mirrored_inside` on each side.
@@ -90,10 +91,15 @@ class SlabTables(NamedTuple):
 
     reflected: tuple[Reflected, Reflected]
     passed: np.ndarray
-    eta: float
+    indices: Indices
     faces: Faces
     depths: np.ndarray
     inner: tuple[InnerLobes, InnerLobes]
+
+    @property
+    def eta(self) -> float:
+        """The index below relative to that above."""
+        return self.indices[1] / self.indices[0]
 
     def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """f (N, C) [1/sr] of importance, see `simulate`, for unit vectors (N, 3) on any side."""
@@ -116,7 +122,7 @@ class SlabTables(NamedTuple):
             pair = (b[at], a[at]) if lower else (a[at], b[at])
             above, below = (Components(*w.T) for w in pair)
             values = interpolated_at(
-                self.passed, *passed_coordinates(above, below, self.eta, NUMPY)
+                self.passed, *passed_coordinates(above, below, self.indices, NUMPY)
             )
             scale = grazing_factor(above, below, self.faces, NUMPY)[:, None]
             result[at] = values * scale * (1 if lower else self.eta**2)
@@ -156,7 +162,8 @@ def slab_tables(interfaces: np.ndarray, media: np.ndarray) -> SlabTables:
     layers, channels = Layers.of(interfaces, media), media.shape[-1]
     turned = layers.turned()
     symmetric = layers.is_symmetric()
-    index, faces = float(layers.indices()[-1]), (layers.face(), turned.face())
+    faces, relative = (layers.face(), turned.face()), layers.indices() / layers.indices().min()
+    indices = float(relative[0]), float(relative[-1])
     sides = [shares(side, channels) for side in (layers, turned)[: 1 if symmetric else 2]]
     above, insides = _reflected(layers, sides[0])
     below = above if symmetric else _reflected(turned, sides[1])[0]
@@ -165,14 +172,14 @@ def slab_tables(interfaces: np.ndarray, media: np.ndarray) -> SlabTables:
         known = grazing_factor(Components(*a.T), Components(*b.T), faces, NUMPY)
         return transmitted(layers, insides, a, b, channels) / known[:, None]
 
-    logs = np.log(np.maximum(tabulated(light, index, symmetric), 1e-30))
-    heights = [np.arccos(w[:, 2]) for w in passed_node_pairs(index)]
-    passed_light = [_passed_light(x[0], index, faces, side) for side, x in enumerate(sides)]
+    logs = np.log(np.maximum(tabulated(light, indices, symmetric), 1e-30))
+    heights = [np.arccos(w[:, 2]) for w in passed_node_pairs(indices)]
+    passed_light = [_passed_light(x[0], indices, faces, side) for side, x in enumerate(sides)]
     logs = _with_light(logs, heights, passed_light)
     passed = logs.clip(MIN_LOG, MAX_LOG).astype(np.float16)
     depths = np.stack([layers.depth(channels), turned.depth(channels)])
     inner = layers.inner_lobes(), turned.inner_lobes()
-    return SlabTables((above, below), passed, index, faces, depths, inner)
+    return SlabTables((above, below), passed, indices, faces, depths, inner)
 
 
 class Light(NamedTuple):
@@ -241,8 +248,9 @@ def _light(
     return Light(angles, own.at(angles)[part], weights, list(places(*pair)))
 
 
-def _passed_light(own: Shares, index: float, faces: Faces, side: int) -> Light:
+def _passed_light(own: Shares, indices: Indices, faces: Faces, side: int) -> Light:
     """The light of a table of transmission for directions above (side 0) or below (1)."""
+    index = indices[1] / indices[0]
     ratio, scale = (1 / index, 1.0) if side else (index, index**2)
 
     def sides(a: Components, b: Components) -> tuple[Components, Components]:
@@ -253,7 +261,7 @@ def _passed_light(own: Shares, index: float, faces: Faces, side: int) -> Light:
         1,
         lambda w: slabs.straight(w, ratio, NUMPY),
         lambda a, b: scale * grazing_factor(*sides(a, b), faces, NUMPY),
-        lambda a, b: passed_coordinates(*sides(a, b), index, NUMPY),
+        lambda a, b: passed_coordinates(*sides(a, b), indices, NUMPY),
     )
 
 

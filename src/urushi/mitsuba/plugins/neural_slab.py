@@ -106,7 +106,7 @@ class NeuralSlab(CoatedSurface):
         self._reflected = [stored(np.asarray(side.table), not wanted) for side in sides]
         self._knots, self._channels = [side.knots for side in sides], channels
         self._passed = stored(tables.passed, not wanted)
-        self._ratio, self._surfaces = tables.eta, tables.faces
+        self._indices, self._surfaces = tables.indices, tables.faces
         self._depths = [[opaque(x) for x in side] for side in tables.depths.tolist()]
         self._interreflection = tables.inner
         self._lobes = Interpolated(_lobes(tables))
@@ -182,7 +182,7 @@ class NeuralSlab(CoatedSurface):
         channels = only_where(active, reflected, inside.wi, up, *numbers)
 
         def passed(a, b):
-            places = passed_coordinates(a, b, self._ratio, DRJIT)
+            places = passed_coordinates(a, b, self._indices, DRJIT)
             logs = interpolated(self._passed, PASSED_SHAPE, [dr.clip(x, 0, 1) for x in places])
             scale = grazing_factor(a, b, self._surfaces, DRJIT)
             return [dr.exp(log) * scale for log in logs[: self._channels]]
