@@ -81,10 +81,8 @@ def test_functions_are_standardised(basis, rests, measure):
 
 
 def test_sums_over_probes_are_integrals(basis, materials, rests):
-    probed = rests @ basis.measure
-    assert (
-        np.abs(probed / materials.rest().ravel() - 1).mean() < 0.05
-    )  # the weights are tied to equal ones
+    probed = rests @ basis.measure  # whose weights are tied to equal ones
+    assert np.abs(probed / materials.rest().ravel() - 1).mean() < 0.05
     assert (basis.measure > 0).all()
 
 

@@ -1,12 +1,17 @@
-"""Distributions of parameters against analytic ones."""
+"""Distributions of parameters against analytic ones; bare bottoms are a lobe and a rest."""
 
 import numpy as np
 import pytest
 from scipy import stats
 
+from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
+from urushi.nets import lobe
 from urushi.train import distribution
+from urushi.train.bottoms import bottom_lobes
 from urushi.train.distribution import Extended, Practical
+from urushi.walk import analytic
+from urushi.walk.bottoms import KINDS
 
 N = 20_000
 
@@ -97,16 +102,27 @@ def test_practical_media_are_clear_tinted_lossless_or_any():
 
 
 @pytest.mark.parametrize(
-    ("make", "message"),
+    ("options", "message"),
     [
-        (lambda: Extended(6), "coats is 6; choose one of 0, 1, 2, 3, 4, 5"),
-        (lambda: Extended(1, "velvet"), "bottom is 'velvet'; choose one of conductor"),
-        (
-            lambda: Extended(1, "diffuse", "all"),
-            "indices is 'all'; choose one of common, whole, low",
-        ),
+        ((6,), "coats is 6; choose one of 0, 1, 2, 3, 4, 5"),
+        ((1, "velvet"), "bottom is 'velvet'; choose one of conductor"),
+        ((1, "diffuse", "all"), "indices is 'all'; choose one of common, whole, low"),
     ],
 )
-def test_bad_descriptions_get_one_sentence(make, message):
+def test_bad_descriptions_get_one_sentence(options, message):
     with pytest.raises(ParameterError, match=message):
-        make()
+        Extended(*options)
+
+
+@pytest.mark.parametrize("kind", distribution.BOTTOMS)
+def test_a_bottom_is_its_lobe_and_the_rest(kind):
+    """A fitted lobe is above the bottom at some pairs, mostly by little."""
+    assert "compensated" not in kind  # single scattering alone is drawn
+    columns, pairs = Extended(1, kind).sample(np.random.default_rng(7), 24).bottom, probe_pairs()
+    own, f = bottom_lobes(kind, columns), analytic.at_all(kind, columns, *pairs)
+    top = lobe.f(own[:, None], *pairs)
+    assert (np.median(np.maximum(top, f) / (f + 1e-3), axis=1) < 1.05).all()
+    if KINDS[kind].family.bare:
+        np.testing.assert_allclose(top, f, rtol=1e-2, atol=1e-5)  # rounding of sharp lobes
+    if kind == "diffuse":
+        assert not own[:, 1:4].any()

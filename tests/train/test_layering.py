@@ -35,14 +35,11 @@ def found(model, store):
 def brushed() -> layering.Layerings:
     """Examples of two widths: lobes of metals, random codes as their coated materials."""
     model, rng = anisotropic_model(), np.random.default_rng(0)
-    size, rest = model.arch.lobe, model.arch.rest
     lobe = np.tile(np.float32([0.1, 0.9, 1, 0, 1.5, 0, 0.3]), (2, 1))
-    bottom = np.concatenate([lobe, 0.3 * rng.standard_normal((2, rest))], axis=1)
+    bottom = np.concatenate([lobe, 0.3 * rng.standard_normal((2, model.arch.rest))], axis=1)
     coats = draw_coats_of_two(rng, 8).reshape(2, 4, 6)
     logs = 0.5 * rng.standard_normal((2, 4, model.arch.probes)).astype(np.float32)
-    assert bottom.shape[1] == size + rest
-    basis = model.networks.basis
-    return layering.examples(basis, bottom.astype(np.float32), coats, logs)
+    return layering.examples(model.networks.basis, bottom.astype(np.float32), coats, logs)
 
 
 def test_examples_are_the_codes_of_the_data(basis, store, found):
@@ -59,9 +56,7 @@ def test_examples_are_the_codes_of_the_data(basis, store, found):
 
 def test_the_error_of_a_code_is_that_of_its_light(basis, found):
     """q is the mean square of relative errors by light: a gain of 1 % is an error of 1 %."""
-    step = np.zeros((len(found.code), found.code.shape[1]), np.float32)
-    step[:, 0] = 0.01
-    size = np.linalg.norm((found.root @ step[..., None])[..., 0], axis=-1)
+    size = 0.01 * np.linalg.norm(found.root[..., 0], axis=-1)
     f = np.exp(bases.decode_log(found.code[:, None], basis.probe_rows(0.0)))
     top = lobes.of_coat(found.coat[:, 0], found.coat[:, 1])
     passed = both_ways(top[:, None], *basis.pairs())
@@ -119,9 +114,8 @@ def test_mirror_images_are_examples_of_the_same_error(brushed):
     turned = wi[:, [1, 0, 2]], wo[:, [1, 0, 2]]
     for row in range(0, len(brushed.code), 3):
         f = model.networks.f(brushed.bottom[row][None], wi, wo)
-        np.testing.assert_allclose(
-            model.networks.f(images.bottom[row][None], *turned), f, rtol=1e-3
-        )
+        image = model.networks.f(images.bottom[row][None], *turned)
+        np.testing.assert_allclose(image, f, rtol=1e-3)
     error = np.random.default_rng(1).standard_normal(brushed.code.shape)
     changed = layering.mirrored(brushed._replace(code=error), model.arch.factors[1:]).code
     sizes = [
@@ -142,3 +136,19 @@ def test_a_change_of_the_stretch_counts_by_the_change_of_f(brushed):
     weights = basis.measure * (middle / ((middle + top) @ basis.measure) + layering.FLOOR)
     expected = weights @ np.square((ends[1] - ends[0]) / (2 * step))
     assert np.square(root[:, -1]).sum() == pytest.approx(expected, rel=0.2)
+
+
+def test_every_example_comes_once_an_epoch_shuffled_as_a_whole():
+    """The order is a function of seed and place."""
+    size = 2413
+    first, second = (layering.shuffled(size, 0, epoch * size, size) for epoch in (0, 1))
+    for items in (first, second):
+        assert sorted(items) == list(range(size))
+        # The mean of the first half of the sequence is that of a sample of 1,206 of 2,413.
+        assert abs(items[:1206].mean() - items.mean()) < 4 * items.std() / np.sqrt(2 * 1206)
+    assert (first != second).any()
+    whole = np.concatenate([first, second])
+    for start, count in ((0, 5), (1200, 3000), (2412, 2), (4000, 800)):
+        found = layering.shuffled(size, 0, start, count)
+        np.testing.assert_array_equal(found, whole[start : start + count])
+    assert (layering.shuffled(size, 1, 0, 100) != whole[:100]).any()

@@ -60,12 +60,10 @@ def test_the_time_of_the_data_is_kept_over_interruptions(tmp_path):
 def test_the_header_states_the_origin_of_the_weights(whole, tiny, store):
     model, folder, _ = whole
     read = weights.read(folder / "weights.safetensors")
-    assert read.fingerprint == model.fingerprint
     header = read.header
-    assert header["preset"]["name"] == "tiny"
-    assert header["preset"]["schedule"]["steps"] == 8
-    assert header["seed"] == tiny.seed
-    assert header["data"] == store.hash()
+    assert read.fingerprint == model.fingerprint
+    assert header["preset"]["name"] == "tiny" and header["preset"]["schedule"]["steps"] == 8
+    assert header["seed"] == tiny.seed and header["data"] == store.hash()
     assert "E of codes, mean" in header["metrics"]
     assert set(header["versions"]) == {"urushi", "python", "jax", "optax", "numpy"}
     assert {"data seconds", "training seconds", "processors"} <= set(header["cost"])
@@ -110,10 +108,8 @@ def test_unwritable_paths_are_refused_before_the_training(tiny, tiny_data, tmp_p
 def test_presets_state_their_command_time_and_figures(name):
     preset = presets.get(name)
     assert preset.name == name
-    text = presets._PRESETS[name].__doc__
-    assert f"urushi train --preset {name}" in text
-    assert "Time:" in text
-    assert "Expected" in text
+    for words in (f"urushi train --preset {name}", "Time:", "Expected"):
+        assert words in presets._PRESETS[name].__doc__
 
 
 def test_schedules_must_divide():

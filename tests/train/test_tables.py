@@ -5,7 +5,7 @@ import pytest
 
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import probe_pairs
-from urushi.core.table import MIN_LOG
+from urushi.core.table import MIN_LOG, SHAPE
 from urushi.errors import FileError
 from urushi.material.coated_values import coated_f
 from urushi.material.reflector import Reflector
@@ -32,14 +32,17 @@ def test_rows_are_the_levels_of_stacks_from_the_bottom_up(folder):
     assert (held["level"][new] == 0).all()
     assert (np.diff(held["level"])[~new[1:]] == 1).all()
     assert not held["coat"][new].any()
+    # Further coats share interfaces.
+    coats = distribution.draw_coats(np.random.default_rng(0), 16)
+    assert (coats[::2, :2] == coats[1::2, :2]).all() and len(np.unique(coats[:, 0])) == 8
+    assert (coats[::2, 2:] != coats[1::2, 2:]).any()
 
 
 def test_further_coats_are_light_transport_over_the_level(folder):
     held = tables.opened(SPEC, folder).read(("table", "lobe", "over", "coated"))
     row = len(held["table"]) - 1
-    below = Substrate.of(
-        Reflector.of_logs(held["table"][row].reshape(96, 32, 8, 1), held["lobe"][row : row + 1])
-    )
+    logs = held["table"][row].reshape(*SHAPE, 1)
+    below = Substrate.of(Reflector.of_logs(logs, held["lobe"][row : row + 1]))
     coat, pairs = CoatParameters(*held["over"][row, 0].astype(float)), probe_pairs(SPEC.probes)
     passed = both_ways(lobes.of_coat(coat.alpha, coat.eta), *pairs)
     found = np.exp(held["coated"][row, 0])
@@ -51,13 +54,6 @@ def test_a_stack_does_not_depend_on_the_number_of_stacks(folder):
     held = tables.opened(SPEC, folder).read(("stack", "table"))
     own = np.stack([row["table"] for row in tables.levels(SPEC.seed, 3)])
     np.testing.assert_array_equal(own, held["table"][held["stack"] == 3])
-
-
-def test_further_coats_share_interfaces():
-    coats = distribution.draw_coats(np.random.default_rng(0), 16)
-    assert (coats[::2, :2] == coats[1::2, :2]).all()
-    assert len(np.unique(coats[:, 0])) == 8
-    assert (coats[::2, 2:] != coats[1::2, 2:]).any()
 
 
 def test_an_interrupted_store_is_completed_on_a_cluster_to_the_same_bytes(folder, tmp_path):
