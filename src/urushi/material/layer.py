@@ -184,7 +184,7 @@ def stacked(stack: Stack, model: Model) -> Material | None:
     compensated = stack.coats[0].energy_compensation
     if compensated and model.widths == 2:
         return None
-    material = encode_source(stack.bottom, model)[0]
+    material = encode_source(stack.bottom, model, below=True)[0]
     for coat in reversed(stack.coats):
         compensates = compensated and coat is stack.coats[0]
         coating = Coating(coat.parameters, coat.ior is not None, material, compensated=compensates)
@@ -286,7 +286,7 @@ def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:
                 )
             weights = anisotropic_model()
     if not isinstance(bottom, Material) or weights is not None:
-        bottom, deviations = encoded(bottom, weights)
+        bottom, deviations = encoded(bottom, weights, below=True)
         warn_of(deviations, "layer: the bottom")
     if anisotropic and bottom.rotation % 180 != 0:
         raise ParameterError(
@@ -298,9 +298,12 @@ def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:
 
 
 def encoded(
-    source: Any, weights: Weights | None = None, table: bool | None = None
+    source: Any,
+    weights: Weights | None = None,
+    table: bool | None = None,
+    below: bool = False,
 ) -> tuple[Material, Deviations | None]:
-    """`encode` without its warnings.
+    """`encode` without its warnings; below: whether the material is the bottom of a coat.
 
     Returns:
         The material, and the deviations of the source, if it is not a Material of these weights.
@@ -310,7 +313,7 @@ def encoded(
         return source, None
     material = stacked(source, model) if isinstance(source, Stack) else None
     if material is None:
-        return encode_source(source, model, table=table)
+        return encode_source(source, model, table=table, below=below)
     return material, deviations_of(as_source(source), widths=model.widths)
 
 

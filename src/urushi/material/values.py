@@ -43,11 +43,17 @@ def model_for(source: Any, weights: Weights | None = None) -> Model:
 
 
 def encode_source(
-    source: Any, model: Model, *, table: bool | None = None, name: str | None = None
+    source: Any,
+    model: Model,
+    *,
+    table: bool | None = None,
+    name: str | None = None,
+    below: bool = False,
 ) -> tuple[Material, Deviations]:
     """`encode` without its warnings.
 
-    name: begins errors; by default the name of the source's type.
+    name: begins errors; by default the name of the source's type. below: whether the material is
+        the bottom of a coat, as of `material_from_values`.
 
     Returns:
         The material, and the source's deviations.
@@ -62,7 +68,7 @@ def encode_source(
     found = evaluate_source(source, *pairs, name, widths=model.widths)
     count = len(required_pairs(None, model, table=False)[0])
     values, at_table = found.values[:count], found.values[count:]
-    material = material_from_values(values, model, lobe=found.lobe)
+    material = material_from_values(values, model, lobe=found.lobe, below=below)
     if len(at_table):
         beside = found.lobe is not None  # a known lobe is finer than any table
         lobe = material.latents[:, : model.arch.lobe]
@@ -138,7 +144,7 @@ def _with_widths(source: Source, widths: int) -> Source:
 
 
 def material_from_values(
-    values: np.ndarray, model: Model, *, lobe: np.ndarray | None = None
+    values: np.ndarray, model: Model, *, lobe: np.ndarray | None = None, below: bool = False
 ) -> Material:
     """The material of values (N, C) at `required_pairs`, or at `model.networks.pairs()` alone.
 
@@ -149,20 +155,24 @@ def material_from_values(
         values: (N, C) [1/sr].
         model: the basis.
         lobe: (N,) or (C, N) the channels' lobes; None: they are fitted to the values.
+        below: whether the material is the bottom of a coat. Of two widths, its albedo has no limit
+            then: transport limits albedos itself, and a code that is at every angle below its
+            source would lose light again at each reflection between bottom and coat.
     """
     pairs = len(model.networks.pairs()[0])
     probed, at_nodes = values[:pairs].T, values[pairs:].T
     lobe = fit_lobes(probed, model.widths) if lobe is None else np.asarray(lobe, np.float32)
     lobe = np.broadcast_to(lobe, (len(probed), lobe.shape[-1]))
+    codes = model.networks.encode(probed, lobe)
+    if below and model.widths == 2:
+        return Material(codes, model)
     ceiling = np.full((len(probed), 1), 1 - energy.MARGIN)
     if at_nodes.size:
         rule = albedo_rule(model.widths)
         rest = np.maximum(at_nodes - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)
         # The nodes are too few for the sharpest lobes, whose albedos are computed separately.
         ceiling = energy.albedo_ceiling(rule.albedo(rest) + energy.lobe_albedos(lobe), rule)
-    return Material(
-        energy.nearest_below(model, model.networks.encode(probed, lobe), ceiling), model
-    )
+    return Material(energy.nearest_below(model, codes, ceiling), model)
 
 
 def _checked(values: Any, name: str, count: int) -> np.ndarray:

@@ -59,14 +59,11 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
         return own
     check_bottom(bottom, where)
     source = reflection_source(bottom)
-    material, deviations = encode_source(source, model, name=f"{where}: the nested BSDF")
+    name = f"{where}: the nested BSDF"
+    material, deviations = encode_source(source, model, name=name, below=True)
     for sentence in deviations.warnings():
         mi.Log(mi.LogLevel.Warn, f"{where}: {sentence}")
-    if model.widths == 2:
-        # Transport limits albedos. A code below its source's albedo at every angle loses light,
-        # again at each reflection between bottom and coat.
-        return replace(material, latents=probed_codes(model, bottom, spectrum.MIDDLE, where)[0])
-    exact = known_surface(bottom).table_source()
+    exact = known_surface(bottom).table_source() if model.widths == 1 else None
     if exact is not None:
         opened = reflection_source(exact)
         checked = opened._replace(f=lambda wi, wo: probing.check_values(opened.f(wi, wo), where))
