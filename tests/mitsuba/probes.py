@@ -99,9 +99,12 @@ def spheres(*bsdfs, integrator: str = "path", size: int = 16, depth: int = 3, **
     }
 
 
-def in_white_world(bsdf) -> np.ndarray:
-    """Linear sRGB of a plane under even light, seen at 40 degrees; one number in grey."""
-    to_world = mi.ScalarTransform4f().look_at([0, 2.5, 3], [0, 0, 0], [0, 1, 0])
+def in_white_world(bsdf, aside: float = 2.5) -> np.ndarray:
+    """Linear sRGB of a plane under even light, one number in grey, seen at 40 degrees or others.
+
+    aside: distance of the camera from the normal, three units above the plane.
+    """
+    to_world = mi.ScalarTransform4f().look_at([0, aside, 3], [0, 0, 0], [0, 1, 0])
     film = {"type": "hdrfilm", "width": 8, "height": 8, "rfilter": {"type": "box"}}
     scene = {
         "type": "scene",
