@@ -110,7 +110,7 @@ def _pool(
                 f"'{cluster}' has no number of processes; give a positive one, such as local:4"
             )
         local = distributed.LocalCluster(
-            n_workers=int(number), threads_per_worker=1, dashboard_address=None
+            n_workers=int(number), threads_per_worker=1, dashboard_address="127.0.0.1:0"
         )
         address = stack.enter_context(local).scheduler_address
     try:
