@@ -380,7 +380,7 @@ CONSTANTS: dict[str, str] = {
     "core.stretched": "FACTORS",
     "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
     "material.albedo_rule": "COSINES AZIMUTHS NODES",
-    "material.energy": ("MARGIN LEAST_ALBEDO LEAST_REST NO_FACTOR ROUNDS FACETS ROUGH_GAIN"),
+    "material.energy": "MARGIN LEAST_ALBEDO LEAST_REST NO_FACTOR ROUNDS FACETS ROUGH_GAIN",
     "material.layer": "DEEPEST",
     "nets.basis": "EMPTY_GAIN",
     "nets.features": "COAT_FEATURES",

@@ -2,8 +2,8 @@
  * Measures the page in Chromium: `PAGE=ADDRESS npm run measure`, of a page that `urushi view` serves.
  *
  * Prints the least and the median of several runs: first picture after the page has loaded, also by a
- * slow connection; the converged picture, 1440 by 900 pixels; and from a
- * slider's step to the new picture with six coats, the core's share apart.
+ * slow connection; the converged picture, 1440 by 900 pixels; and from a slider's step to the new
+ * picture with six coats, the core's share apart.
  */
 
 import { chromium } from "@playwright/test";

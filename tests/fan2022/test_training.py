@@ -32,7 +32,7 @@ TINY = 1e-10
 
 
 def test_at_scale_one_all_numbers_are_the_papers():
-    """A scale is the share of training samples, and leaves the decay of the rates as it is."""
+    """Smaller scales take fewer samples. Over all epochs, rates fall by the same factor."""
     preset = PaperPreset()
     parts = {name: count for name, (_, count) in preset.data.parts.items()}
     assert parts == {

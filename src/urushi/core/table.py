@@ -149,6 +149,11 @@ def interpolated_columns(x: np.ndarray, nodes: np.ndarray, values: np.ndarray) -
     return np.stack([np.interp(x, nodes, column) for column in values.T], axis=-1)
 
 
+def v_of_sine(sine: float) -> float:
+    """The coordinate v of a difference angle below 90 degrees, by its sine."""
+    return (1 - (1 - sine * sine) ** 0.5) ** 0.5
+
+
 def knots_of(sines: Sequence[float]) -> Knots:
     """The knots at angles of total reflection of sines below one, in any order.
 
@@ -156,7 +161,7 @@ def knots_of(sines: Sequence[float]) -> Knots:
     """
     last, knots = SHAPE[1] - 1, list[tuple[float, int]]()
     for sine in sorted(sines):
-        v = (1 - (1 - sine * sine) ** 0.5) ** 0.5
+        v = v_of_sine(sine)
         node = round(last * v)
         if node < last and (not knots or node > knots[-1][1] + 1):
             knots.append((v, node))

@@ -32,6 +32,7 @@ from urushi.core.table import (
     log_tangent,
     node_components,
     squared_tangent,
+    v_of_sine,
 )
 from urushi.walk import slabs
 
@@ -123,11 +124,7 @@ def _edge(indices: Indices) -> int:
     last = SHAPE[1] - 1
     if max(indices) < 1 + MIN_INDEX_STEP:
         return last
-    return min(max(CONE, round(last * _v_of_sine(1 / max(indices)))), last - BEYOND)
-
-
-def _v_of_sine(sine: float) -> float:
-    return (1 - (1 - sine * sine) ** 0.5) ** 0.5
+    return min(max(CONE, round(last * v_of_sine(1 / max(indices)))), last - BEYOND)
 
 
 def _range(mean: Any, reach: Any, indices: Indices, xp: Namespace) -> tuple[Any, Any]:
@@ -153,7 +150,7 @@ def _stretched(w: Any, index: float, indices: Indices, xp: Namespace) -> Any:
     refracted2 = index * index * sine2
     part = (edge * index) ** 2 / (1 + xp.safe_sqrt(xp.maximum(1 - refracted2, 0)))  # of v^2
     if index > 1 + MIN_INDEX_STEP:
-        first = _v_of_sine(1 / index)
+        first = v_of_sine(1 / index)
         v = edge + (xp.safe_sqrt(xp.maximum(1 - w.z, 0)) - first) * ((1 - edge) / (1 - first))
         part = xp.where(refracted2 < 1, part, v * v / xp.maximum(sine2, 1 / index**2))
     v2 = part * sine2
@@ -169,7 +166,7 @@ def _unstretched(w: Components, index: float, indices: Indices) -> np.ndarray:
     inner = 1 - np.minimum(v / edge, 1) ** 2
     z = np.sqrt(1 - (1 - inner * inner) / index**2)
     if index > 1 + MIN_INDEX_STEP:
-        first = _v_of_sine(1 / index)
+        first = v_of_sine(1 / index)
         beyond = first + (v - edge) * ((1 - first) / (1 - edge))
         z = np.where(v > edge, 1 - beyond * beyond, z)
     z = np.maximum(z, MIN_COSINE)

@@ -52,8 +52,10 @@ def encode_source(
 ) -> tuple[Material, Deviations]:
     """`encode` without its warnings.
 
-    name: begins errors; by default the name of the source's type. below: whether the material is
-        the bottom of a coat, as of `material_from_values`.
+    name: begins errors; by default the name of the source's type.
+    below: whether the material is the bottom of a coat. Of two widths, its albedo has no limit
+        then: transport limits albedos itself, and a code that is at every angle below its source
+        would lose light again at each reflection between bottom and coat.
 
     Returns:
         The material, and the source's deviations.
@@ -64,11 +66,12 @@ def encode_source(
         channels = 3 if len(lobe) == 1 else len(lobe)
         material = material_of_lobes(opened.lobe, model, channels)
         return material, deviations_of(opened, widths=model.widths)
-    pairs = required_pairs(source, model, table)
+    limited = not below or model.widths == 1
+    pairs = required_pairs(source, model, table) if limited else model.networks.pairs()
     found = evaluate_source(source, *pairs, name, widths=model.widths)
     count = len(required_pairs(None, model, table=False)[0])
     values, at_table = found.values[:count], found.values[count:]
-    material = material_from_values(values, model, lobe=found.lobe, below=below)
+    material = material_from_values(values, model, lobe=found.lobe, limited=limited)
     if len(at_table):
         beside = found.lobe is not None  # a known lobe is finer than any table
         lobe = material.latents[:, : model.arch.lobe]
@@ -144,7 +147,7 @@ def _with_widths(source: Source, widths: int) -> Source:
 
 
 def material_from_values(
-    values: np.ndarray, model: Model, *, lobe: np.ndarray | None = None, below: bool = False
+    values: np.ndarray, model: Model, *, lobe: np.ndarray | None = None, limited: bool = True
 ) -> Material:
     """The material of values (N, C) at `required_pairs`, or at `model.networks.pairs()` alone.
 
@@ -155,16 +158,14 @@ def material_from_values(
         values: (N, C) [1/sr].
         model: the basis.
         lobe: (N,) or (C, N) the channels' lobes; None: they are fitted to the values.
-        below: whether the material is the bottom of a coat. Of two widths, its albedo has no limit
-            then: transport limits albedos itself, and a code that is at every angle below its
-            source would lose light again at each reflection between bottom and coat.
+        limited: whether its albedo has this limit.
     """
     pairs = len(model.networks.pairs()[0])
     probed, at_nodes = values[:pairs].T, values[pairs:].T
     lobe = fit_lobes(probed, model.widths) if lobe is None else np.asarray(lobe, np.float32)
     lobe = np.broadcast_to(lobe, (len(probed), lobe.shape[-1]))
     codes = model.networks.encode(probed, lobe)
-    if below and model.widths == 2:
+    if not limited:
         return Material(codes, model)
     ceiling = np.full((len(probed), 1), 1 - energy.MARGIN)
     if at_nodes.size:

@@ -1,4 +1,4 @@
-"""Materials with tables are rendered as they are evaluated in NumPy, also under coats."""
+"""Plugins and NumPy agree on materials with tables, bare and under coats."""
 
 import drjit as dr
 import numpy as np

@@ -17,10 +17,11 @@ const PATIENCE = 160;
 const FIRST_COST = { card: 60, software: 3000 };
 
 /**
- * Least frames of a picture at rest where each takes long; more of textures of codes, which are noisier,
- * and of large pictures. And the shaded pixels of all frames on the page.
+ * Least frames of a picture at rest where each takes long. Textures of codes, which are noisier, and
+ * large pictures have the second number.
  */
 const [SLOW_FRAMES, MORE_SLOW_FRAMES] = [4, 6];
+/** Shaded pixels of all frames of such a picture on the page. */
 const SLOW_PIXELS = 0.55e6;
 
 /** Frames for one of a table, where a texture of codes is decoded: they have fewer directions. */
