@@ -11,7 +11,7 @@ from typing import Any
 import drjit as dr
 import numpy as np
 
-from urushi.core.backend import backend
+from urushi.core.backend import backend, shared
 from urushi.core.table import corner_steps
 
 #: Lanes of a kernel launch; bounds the memory to some hundred MB.
@@ -29,7 +29,7 @@ class Lane:
         self._point, self._pairs = lane - row * points, pairs
         # From arrays, so that one kernel serves any number of pairs
         self._job, self._pair = (
-            dr.gather(self._device.UInt32, self._device.UInt32(_aligned(places)), row)
+            dr.gather(self._device.UInt32, shared(self._device.UInt32, places), row)
             for places in np.divmod(np.arange(jobs * count, dtype=np.uint32), np.uint32(count))
         )
 
@@ -66,7 +66,7 @@ class Lane:
         return lambda x: dr.gather(self._device.Float, flat, first + index_kind(x * last))
 
     def _floats(self, values: np.ndarray) -> Any:
-        return self._device.Float(_aligned(values.astype(np.float32, copy=False)))
+        return shared(self._device.Float, values.astype(np.float32, copy=False))
 
 
 def cell(shape: Sequence[int], places: Sequence[Any], table: Any) -> tuple[Any, list[Any]]:
@@ -98,15 +98,6 @@ def interpolated(flat: Any, shape: Sequence[int], places: Sequence[Any], table: 
         pairs = zip(found[::2], found[1::2], strict=True)
         found = [dr.fma(share, high - low, low) for low, high in pairs]
     return found[0]
-
-
-def _aligned(values: np.ndarray) -> np.ndarray:
-    """Flat values that start at a multiple of 64 bytes: other kernels read other alignments."""
-    room = np.empty(values.size + 16, values.dtype)
-    start = (-room.ctypes.data % 64) // values.itemsize
-    result = room[start : start + values.size]
-    result[:] = values.ravel()
-    return result
 
 
 def sums(

@@ -12,6 +12,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.checks import Widths
+from urushi.core.backend import shared
 
 
 def compiled_once(function: Callable, *args):
@@ -53,7 +54,7 @@ def owned(kind: type, values: np.ndarray):
     start at a multiple of the vector width, frozen functions (Dr.Jit 1.5) are replayed with the
     values of their recording; and freeing it while a function is recorded ends the process.
     """
-    source = kind(np.ascontiguousarray(values).reshape(-1))
+    source = shared(kind, values)
     copy = dr.zeros(kind, len(source))
     dr.scatter(copy, source, dr.arange(mi.UInt32, len(source)))
     dr.eval(copy)

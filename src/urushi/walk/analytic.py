@@ -4,8 +4,9 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
+from urushi.core.backend import backend, shared
 from urushi.walk.bottoms import Description
-from urushi.walk.monte_carlo import backend, per_channel
+from urushi.walk.monte_carlo import per_channel
 from urushi.walk.table import bottom_of_columns
 
 
@@ -41,7 +42,7 @@ def rows(
     if not len(row):
         return np.zeros(0, np.float32)
     device = backend()
-    index = device.UInt32(np.ascontiguousarray(row, np.uint32))
+    index = shared(device.UInt32, row.astype(np.uint32))
     wi, wo = (device.Array3f(np.ascontiguousarray(w.T, np.float32)) for w in (wi, wo))
     value, _ = bottom_of_columns(device, kind, columns, index).f_pdf(wi, wo)
     return np.array(value.numpy(), np.float32)

@@ -7,7 +7,7 @@ import drjit as dr
 import numpy as np
 from tqdm import tqdm
 
-from urushi.core.backend import backend
+from urushi.core.backend import backend, shared
 from urushi.core.random import stream
 from urushi.errors import ParameterError
 from urushi.walk.bottoms import Description
@@ -74,7 +74,7 @@ def average(
 
     def launch(part: slice, first: int, count: int) -> np.ndarray:
         """Sums and sums of squares, (2, rows), of the walks from `first` on for a part's rows."""
-        rows = device.UInt32(np.ascontiguousarray(row[part], np.uint32))
+        rows = shared(device.UInt32, row[part].astype(np.uint32))
         lane = dr.arange(device.UInt32, len(rows) * count)
         start = lane // count if count > 1 else lane
         place = device.UInt64(start) + part.start

@@ -21,6 +21,7 @@ from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.core import anisotropic_albedos, appearance
 from urushi.core.appearance import coated_color
+from urushi.core.backend import backend, shared
 from urushi.core.microfacet import of_widths, pair
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import NUMPY
@@ -29,7 +30,7 @@ from urushi.walk import slabs, walk
 from urushi.walk.bottoms import Bottom
 from urushi.walk.bottoms.dielectric import Dielectric, Reflector
 from urushi.walk.interface import flip
-from urushi.walk.monte_carlo import average, backend, per_channel
+from urushi.walk.monte_carlo import average, per_channel
 from urushi.walk.stack import Coat, Stack
 from urushi.walk.table import StackTable, TableLayers
 
@@ -132,7 +133,7 @@ def top_reflection(
     if not len(row):
         return np.zeros(0, np.float32)
     device = backend()
-    rows = device.UInt32(np.ascontiguousarray(row, np.uint32))
+    rows = shared(device.UInt32, row.astype(np.uint32))
     wi, wo = (device.Array3f(np.ascontiguousarray(w.T)) for w in (wi, wo))
     return walk.top_reflection(TableLayers(device, table, rows), wi, wo).numpy()
 
