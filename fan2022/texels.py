@@ -1,6 +1,6 @@
 """Textures of codes of the networks of Fan et al. 2022, in Dr.Jit.
 
-One texel is drawn, as in `mitsuba.latents.texels`. Mip levels are means of codes: the networks'
+One texel is drawn, as in `mitsuba.latents.over_axes`. Mip levels are means of codes: the networks'
 latent space is linear (Fan et al. 2022).
 """
 
@@ -18,10 +18,10 @@ from fan2022.kernels import PaperDecoder, PaperSampler, separate_kernels
 from fan2022.networks import PaperNetworks
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.texels import drawn_texel
-from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
+from urushi.mitsuba.latents.over_axes import drawn_texel
+from urushi.mitsuba.reading.known import not_over_uv, varying_textures
 from urushi.mitsuba.recording import only_where, owned
-from urushi.textures.store import ONE_TEXEL, TexelGrid
+from urushi.textures.packing import ONE_TEXEL, TexelGrid
 
 RECORDED = (
     "networks of Fan et al. 2022 are recorded in one kernel with the whole path, which takes "

@@ -17,7 +17,7 @@ from urushi.material.values import material_from_values, material_of_lobes, requ
 from urushi.nets import lobe as lobes
 from urushi.nets.transmittance import remainder
 from urushi.nets.weights import Model
-from urushi.train.bottoms import bottom_lobes
+from urushi.train.distribution import bottom_lobes
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS
 

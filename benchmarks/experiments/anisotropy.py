@@ -30,7 +30,7 @@ from urushi.material.source import STACK_WALKS
 from urushi.material.values import material_from_values, material_of_lobes
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
-from urushi.train.bottoms import bottom_lobes
+from urushi.train.distribution import bottom_lobes
 from urushi.walk import StackTable, analytic, bottoms, walk_pairs
 
 SEED = 90210

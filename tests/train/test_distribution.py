@@ -8,8 +8,7 @@ from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
 from urushi.nets import lobe
 from urushi.train import distribution
-from urushi.train.bottoms import bottom_lobes
-from urushi.train.distribution import Extended, Practical
+from urushi.train.distribution import Extended, Practical, bottom_lobes
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 

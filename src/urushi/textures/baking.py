@@ -21,7 +21,7 @@ from urushi.nets import transmittance
 from urushi.nets.weights import Model
 from urushi.textures.axes import LINEAR, Axis, Changes, nearest, simplex
 from urushi.textures.interpolation import interpolant, points
-from urushi.textures.store import TexelGrid
+from urushi.textures.packing import TexelGrid
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes
 #: much longer.

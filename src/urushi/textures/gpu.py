@@ -14,8 +14,7 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.export.statements import Texels
-from urushi.textures.packing import Texture
-from urushi.textures.store import TexelGrid
+from urushi.textures.packing import TexelGrid, Texture
 
 
 class Image(NamedTuple):

@@ -10,7 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from urushi.checks import MIN_ALPHA, TRAINED_DEPTH, TRAINED_G, CoatParameters
+from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
+from urushi.nets import lobe as lobes
+from urushi.nets.lobe_fit import fit_lobes
+from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 from urushi.walk.bottoms.bottom import Family, draw_alpha
 from urushi.walk.table import StackTable
@@ -44,6 +48,22 @@ LEAST_WIDTH, MOST_QUOTIENT = 0.02, 8.0
 BOTTOMS = tuple(
     name for name, kind in KINDS.items() if kind.widths == 1 and kind.family.draw is not Family.draw
 )
+
+
+def bottom_lobes(kind: str, columns: dict[str, np.ndarray], widths: int = 1) -> np.ndarray:
+    """Lobes float32 (S, L) of bottoms with the parameters (S,) by name.
+
+    Lobes that the family does not know are fitted to its values, as `encode` does.
+    """
+    fresnel = KINDS[kind].family.fresnel_numbers(columns)
+    if fresnel is None:
+        return fit_lobes(analytic.at_all(kind, columns, *probe_pairs(widths=widths)), widths)
+    result = np.tile(lobes.no_lobe(widths), (len(next(iter(columns.values()))), 1))
+    if own := [column for name, column in columns.items() if name.startswith("alpha")]:
+        result[:, lobes.WIDTH_PLACES[widths]] = np.stack(own, axis=-1)
+    for place, numbers in enumerate(fresnel, start=1):
+        result[:, place] = numbers
+    return result
 
 
 def _whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:

@@ -30,7 +30,7 @@ from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture
 from urushi.nets.transmittance import remainder
 from urushi.train import distribution
-from urushi.train.bottoms import bottom_lobes
+from urushi.train.distribution import bottom_lobes
 from urushi.walk.table import StackTable
 
 #: Bottoms of stacks, with their shares. Mixtures have GGX lobes.

@@ -39,8 +39,7 @@ from urushi.nets import weights
 from urushi.nets.transmittance import remainder
 from urushi.train import stretched_tables, workers
 from urushi.train.basis_fit import bottom_codes
-from urushi.train.bottoms import bottom_lobes
-from urushi.train.distribution import SHARES, coats_of, draw_coats, draw_stack
+from urushi.train.distribution import SHARES, bottom_lobes, coats_of, draw_coats, draw_stack
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 

@@ -13,14 +13,13 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.basis import BasisDecoder, table_of
 from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.latents.lobe import ANY_LOBE
-from urushi.mitsuba.latents.over_axes import AxisLatents
-from urushi.mitsuba.latents.texels import texel_axes
+from urushi.mitsuba.latents.over_axes import AxisLatents, texel_axes
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets import transmittance
 from urushi.nets.basis import decode
 from urushi.nets.weights import Model, default_model
 from urushi.textures.baking import Baked
-from urushi.textures.store import TexelGrid
+from urushi.textures.packing import TexelGrid
 
 #: alpha, normal, grazing, exact, eta, k; one for each kind of code that is recorded.
 LOBES = {

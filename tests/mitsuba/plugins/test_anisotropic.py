@@ -48,7 +48,7 @@ def test_the_plugin_is_the_walk(rgb):
 
 
 def test_the_proposal_follows_an_anisotropic_bottom(rgb):
-    from urushi.mitsuba.plugins.bottom_lobes import BottomLobes
+    from urushi.mitsuba.plugins.stack import BottomLobes
 
     for widths in ((0.1, 0.04), (0.02, 0.08)):
         two = {"alpha_u": widths[0], "alpha_v": widths[1]}

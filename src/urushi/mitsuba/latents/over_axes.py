@@ -2,12 +2,13 @@
 
 A vertex takes the values of the parameters from the textures, and the code linearly between the
 nodes of a simplex around them. The lobe of the coat has the coat's own width and index there. Where
-the nodes are texels, it takes the code of one. Codes are stored by principal numbers
+the nodes are texels, it takes the code of one (`texel_axes`). Codes are stored by principal numbers
 (`textures.principal`). Where a parameter carries a gradient, the code changes with it by the slope
 along its axis.
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, ClassVar
 
 import drjit as dr
@@ -25,8 +26,9 @@ from urushi.mitsuba.recording import only_where, owned
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal, transmittance
 from urushi.nets.weights import Model
-from urushi.textures.axes import Varying, nearest, simplex, whole_numbers
+from urushi.textures.axes import LINEAR, Axis, Varying, nearest, simplex, whole_numbers
 from urushi.textures.baking import FAINT, Baked
+from urushi.textures.packing import TexelGrid
 from urushi.textures.principal import projection_of
 
 #: Largest change of a number of a code along its slopes that is represented.
@@ -37,6 +39,10 @@ LOBE = {
     1: {"alpha": [0], "eta": [4]},
     2: {"alpha": [0, 6], "alpha_u": [0], "alpha_v": [6], "eta": [4]},
 }
+
+#: Number of steps of a texel's weight along an axis. A point within half a step of the centre of a
+#: texel has this texel alone.
+WEIGHT_STEPS = 256
 
 
 class AxisLatents(EvaluatedCodes):
@@ -244,3 +250,51 @@ def without_faint(model: Model, codes: np.ndarray) -> np.ndarray:
     less = FAINT * transmittance.both_ways(lobe, *pairs)
     rest = np.maximum(rests.reshape(*codes.shape[:-1], -1) - less, 0)
     return model.networks.encode((rest + lobes.f(lobe, *pairs))[..., None, :], lobe)[..., 0, :]
+
+
+def texel_axes(grid: TexelGrid) -> list[Varying]:
+    """The axes v and u of the texels of a grid, one of which is drawn at each point.
+
+    f is filtered, not the code: f of the code halfway between two codes is far from the mean of
+    both f where they differ much. A texel is drawn in proportion to its weight in the filter (Pharr
+    et al. 2024, *Filtering After Shading With Stochastic Texture Filtering*). f, density and sample
+    of a vertex belong to one texel, and f is right in the mean over positions.
+    """
+
+    def read(si, active, along: int) -> list:
+        count = (grid.width, grid.height)[along]
+        return [mi.Float(drawn_texel(si, grid)[along]) * (1 / max(count - 1, 1))]
+
+    return [
+        Varying(Axis(name, LINEAR, 0.0, 1.0), partial(read, along=along))
+        for name, along in (("v", 1), ("u", 0))
+    ]
+
+
+def drawn_texel(si, grid: TexelGrid) -> list:
+    """Column and row (Int32) of one of the texels around a point, drawn by its weight.
+
+    The numbers in (0, 1) by which it is drawn are a hash of uv and wi, multiples of
+    1 / `WEIGHT_STEPS` plus half of it.
+    """
+    values = (si.uv.x, si.uv.y, si.wi.x, si.wi.y)
+    singles = (dr.float32_array_t(type(x))(dr.detach(x)) for x in values)
+    bits = [dr.reinterpret_array(mi.UInt32, x) for x in singles]
+    hashed, _ = mi.sample_tea_32(bits[0] + 0x9E3779B9 * bits[2], bits[1] + 0x85EBCA6B * bits[3])
+    found = []
+    for (a, b, c), texels, shift in zip(
+        grid.to_texture, (grid.width, grid.height), (8, 16), strict=True
+    ):
+        u = (mi.Float((hashed >> shift) % WEIGHT_STEPS) + 0.5) / WEIGHT_STEPS
+        x, count = a * si.uv.x + b * si.uv.y + c, mi.Int32(texels)
+        if grid.wrap == "repeat":
+            x = x - dr.floor(x)
+        elif grid.wrap == "mirror":
+            x = dr.abs(x - 2 * dr.round(0.5 * x))
+        else:
+            x = dr.clip(x, 0, 1)
+        texel = mi.Int32(dr.floor(x * count - (0.0 if grid.nearest else 0.5 - u)))
+        if grid.wrap == "repeat":
+            texel = dr.select(texel >= count, 0, dr.select(texel < 0, count - 1, texel))
+        found.append(dr.clip(texel, 0, count - 1))  # NaN too
+    return found

@@ -11,14 +11,13 @@ from urushi.material.layer import under as below_medium
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import Turn
 from urushi.mitsuba.latents.codes import ConstantLatents
-from urushi.mitsuba.latents.over_axes import AxisLatents
-from urushi.mitsuba.latents.texels import texel_axes
+from urushi.mitsuba.latents.over_axes import AxisLatents, texel_axes
 from urushi.mitsuba.properties import path_of, read_weights
 from urushi.mitsuba.recording import opaque, owned
 from urushi.mitsuba.surface import KnownSurface, Surface
 from urushi.nets.weights import Model
 from urushi.textures.baking import Baked
-from urushi.textures.store import KIND, read_texture, write_texture
+from urushi.textures.packing import KIND, read_texture, write_texture
 
 
 class EncodedSurface(Surface):

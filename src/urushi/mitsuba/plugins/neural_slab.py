@@ -22,13 +22,11 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.latents.tables import interpolated, padded, stored, tabulated
-from urushi.mitsuba.plugins.bottom_lobes import width
 from urushi.mitsuba.plugins.coated import CoatedSurface
-from urushi.mitsuba.plugins.stack import CoatStack
-from urushi.mitsuba.properties import ignore
-from urushi.mitsuba.reading.grid import varies
+from urushi.mitsuba.plugins.stack import CoatStack, width
+from urushi.mitsuba.properties import has_gradients, ignore
+from urushi.mitsuba.reading.known import varies
 from urushi.mitsuba.recording import only_where, opaque, owned
-from urushi.mitsuba.snapshot import has_gradients
 from urushi.walk import interface
 
 #: Quantiles of the half angles at which lobes are sampled, and the weights of these lobes and of a
@@ -49,7 +47,7 @@ def _lobes(tables: SlabTables) -> np.ndarray:
     """Proposals (2, `ELEVATIONS`, 9), of each side and the root of the cosine of wi.
 
     The share that is reflected, within `SHARES`; and widths at `QUANTILES` of the half angles, of
-    reflected light and of transmitted light, as `bottom_lobes.BottomLobes`.
+    reflected light and of transmitted light, as `stack.BottomLobes`.
     """
     found = np.empty((2, ELEVATIONS, 1 + 2 * len(QUANTILES)), np.float32)
     sides = 1 if tables.reflected[0] is tables.reflected[1] else 2

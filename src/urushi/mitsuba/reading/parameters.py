@@ -16,7 +16,7 @@ from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import Turn
 from urushi.mitsuba.properties import describe, switch_of
-from urushi.mitsuba.reading.grid import varies
+from urushi.mitsuba.reading.known import varies
 from urushi.mitsuba.recording import Recorded, opaque
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given

@@ -26,10 +26,8 @@ from urushi.mitsuba.reading.bottoms import (
     probed_codes,
     probed_tables,
 )
-from urushi.mitsuba.reading.changed import relative_to, replaced
-from urushi.mitsuba.reading.grid import not_over_uv
-from urushi.mitsuba.reading.known import known_surface
-from urushi.mitsuba.reading.textures import derived
+from urushi.mitsuba.reading.changed import derived, relative_to, replaced
+from urushi.mitsuba.reading.known import known_surface, not_over_uv
 from urushi.mitsuba.reading.varying import BOTTOM, NANOMETRES, WAVELENGTH
 from urushi.nets.weights import Model
 from urushi.textures.axes import Varying
