@@ -1,6 +1,6 @@
 """Codes of materials over axes, at nodes between which renderers interpolate.
 
-Light transport is computed at some hundred points, and interpolated to the nodes (`interpolation`).
+Light transport is computed at some hundred points, and interpolated to the nodes (`interpolant`).
 The lobe of the coat is known at every point.
 
 A material whose parameters are not known has the axes v and u, and its nodes are texels.
@@ -19,8 +19,7 @@ from urushi.material.energy import MARGIN, limit_albedo, nearest_below
 from urushi.nets import lobe as lobes
 from urushi.nets import transmittance
 from urushi.nets.weights import Model
-from urushi.textures.axes import LINEAR, Axis, Changes, nearest, simplex
-from urushi.textures.interpolation import interpolant, points
+from urushi.textures.axes import LINEAR, Axis, Changes, interpolant, nearest, points, simplex
 from urushi.textures.packing import TexelGrid
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes

@@ -20,13 +20,12 @@ from urushi.material.layer import (
     with_widths,
 )
 from urushi.material.material import Material
-from urushi.material.reflector import Reflector
-from urushi.material.substrate import Substrate
+from urushi.material.reflector import Reflector, Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets.features import coat_features
 from urushi.nets.layerer import bottom_rest
 from urushi.nets.weights import Model
-from urushi.textures.interpolation import interpolant
+from urushi.textures.axes import interpolant
 
 #: Rows by light transport, by the number of GGX widths: a second.
 TRANSPORTED = {1: 384, 2: 12}

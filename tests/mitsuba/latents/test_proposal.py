@@ -35,8 +35,7 @@ def compare(mi, mixture, model, code, atol):
 
 
 def proposals(model, code):
-    from urushi.mitsuba.latents.lobe import kind_of
-    from urushi.mitsuba.latents.proposal import CodeProposals
+    from urushi.mitsuba.latents.lobe import CodeProposals, kind_of
 
     return CodeProposals(model, kind_of(code[None, : model.arch.lobe]))
 

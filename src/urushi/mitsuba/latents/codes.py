@@ -17,8 +17,7 @@ from urushi.material.material import Material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents import lobe
 from urushi.mitsuba.latents.basis import BasisDecoder
-from urushi.mitsuba.latents.lobe import ANY_LOBE, NO_LOBE, kind_of
-from urushi.mitsuba.latents.proposal import CodeProposals
+from urushi.mitsuba.latents.lobe import ANY_LOBE, NO_LOBE, CodeProposals, kind_of
 from urushi.mitsuba.latents.tables import stored, tabulated
 from urushi.mitsuba.recording import only_where, owned
 

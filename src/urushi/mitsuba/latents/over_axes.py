@@ -19,8 +19,7 @@ from urushi.core.namespace import DRJIT, NUMPY
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.basis import BasisDecoder
 from urushi.mitsuba.latents.codes import EvaluatedCodes, Vertex
-from urushi.mitsuba.latents.lobe import kind_of
-from urushi.mitsuba.latents.proposal import CodeProposals
+from urushi.mitsuba.latents.lobe import CodeProposals, kind_of
 from urushi.mitsuba.latents.tables import Numbers
 from urushi.mitsuba.recording import only_where, owned
 from urushi.nets import lobe as lobes

@@ -14,8 +14,7 @@ import numpy as np
 
 from urushi.core.table import SHAPE
 from urushi.material.material import Material
-from urushi.material.reflector import Reflector
-from urushi.material.substrate import Substrate, of_material
+from urushi.material.reflector import Reflector, Substrate, of_material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.over_axes import AxisLatents, without_faint
 from urushi.mitsuba.reading import probing
