@@ -78,10 +78,7 @@ class CoatParameters(NamedTuple):
 
 
 #: Names of the columns of coats with one width, and with two.
-COAT_COLUMNS = {
-    1: CoatParameters._fields,
-    2: ("alpha_u", *CoatParameters._fields[1:], "alpha_v"),
-}
+COAT_COLUMNS = {1: CoatParameters._fields, 2: ("alpha_u", *CoatParameters._fields[1:], "alpha_v")}
 
 #: The default coat: glass in air, without absorption.
 DEFAULT_COAT = CoatParameters(0.1, GLASS / AIR, 0.0, 0.0, 0.0)
@@ -191,11 +188,7 @@ def one_width(value: Any, where: str) -> Any:
 
 
 def eta(
-    value: npt.ArrayLike,
-    where: str = "eta",
-    *,
-    any_shape: bool = False,
-    low: float = ETA_RANGE[0],
+    value: npt.ArrayLike, where: str = "eta", *, any_shape: bool = False, low: float = ETA_RANGE[0]
 ) -> np.ndarray:
     """Check relative indices of refraction in [low, 3]; indices within 0.001 of 1 become 1."""
     high = ETA_RANGE[1]
@@ -205,10 +198,7 @@ def eta(
 
 
 def eta_in_air(
-    ratio: npt.ArrayLike | None,
-    ior: npt.ArrayLike | None,
-    where: str,
-    low: float = ETA_RANGE[0],
+    ratio: npt.ArrayLike | None, ior: npt.ArrayLike | None, where: str, low: float = ETA_RANGE[0]
 ) -> tuple[npt.ArrayLike, npt.ArrayLike | None]:
     """The relative index of an interface in air, and its absolute one if it is given by that.
 

@@ -298,10 +298,7 @@ def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:
 
 
 def encoded(
-    source: Any,
-    weights: Weights | None = None,
-    table: bool | None = None,
-    below: bool = False,
+    source: Any, weights: Weights | None = None, table: bool | None = None, below: bool = False
 ) -> tuple[Material, Deviations | None]:
     """`encode` without its warnings; below: whether the material is the bottom of a coat.
 

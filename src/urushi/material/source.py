@@ -92,7 +92,11 @@ def _(source: Rgl) -> Source:
 
 @as_source.register
 def _(source: Description) -> Source:
-    kind, lobe = source.as_kind(), lobe_of_surface(source)
+    kind = source.as_kind()
+    fresnel, alpha = kind.family.fresnel_numbers(vars(source)), getattr(source, "alpha", None)
+    lobe = (
+        None if fresnel is None else _lobe(lobes.NO_LOBE[0] if alpha is None else alpha, *fresnel)
+    )
     return Source(
         functools.partial(analytic.f, source),
         symmetric=True,
@@ -122,16 +126,6 @@ def _(source: Stack) -> Source:
         lobe=lobe,
         widths=widths,
     )
-
-
-def lobe_of_surface(source: Description) -> np.ndarray | None:
-    """The lobe float32 (N,) or (3, N) of a surface, N = 7 if it has two widths, otherwise 6.
-
-    None if its family does not know it.
-    """
-    fresnel = source.as_kind().family.fresnel_numbers(vars(source))
-    alpha = getattr(source, "alpha", lobes.NO_LOBE[0])
-    return None if fresnel is None else _lobe(alpha, *fresnel)
 
 
 def _lobe(alpha: Any, *numbers: npt.ArrayLike) -> np.ndarray:

@@ -83,12 +83,6 @@ def channel_count() -> int:
     return len(_read.get()) if mi.is_spectral else 3
 
 
-def set_bands(si) -> None:
-    """Set a surface interaction's wavelengths to `RGB`, in spectral variants."""
-    if mi.is_spectral:
-        si.wavelengths = mi.Spectrum([*RGB, RGB[-1]])
-
-
 def at_bands(si, evaluate: Callable[..., Sequence]) -> list:
     """The channels of evaluate() at a surface interaction.
 
@@ -178,12 +172,7 @@ _TO_COLOR = np.linalg.inv(
 ).tolist()
 
 
-def from_channels(
-    values: Sequence,
-    wavelengths,
-    *,
-    colors: bool = False,
-) -> "mi.Spectrum":
+def from_channels(values: Sequence, wavelengths, *, colors: bool = False) -> "mi.Spectrum":
     """The variant's spectrum at `wavelengths` [nm].
 
     Args:

@@ -274,13 +274,6 @@ FORWARDED = (
 )
 
 
-def _forwarded(name: str) -> Callable:
-    def method(self, *args, **named):
-        return getattr(self.surface, name)(*args, **named)
-
-    return method
-
-
 @cache
 def _adapter(variant: str) -> type:
     """The class in a variant: `mi.BSDF` is another one in each."""
@@ -313,6 +306,9 @@ def _adapter(variant: str) -> type:
         def class_name(self) -> str:
             return type(self.surface).__name__
 
+    def forwarded(name: str) -> Callable:
+        return lambda self, *args, **named: getattr(self.surface, name)(*args, **named)
+
     for name in FORWARDED:
-        setattr(SurfaceBSDF, name, _forwarded(name))
+        setattr(SurfaceBSDF, name, forwarded(name))
     return SurfaceBSDF

@@ -12,13 +12,7 @@ from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.core.microfacet import of_widths, pair
 from urushi.material.coated_values import coated_values
 from urushi.material.energy import limit_albedo
-from urushi.material.layer import (
-    absent,
-    check_ratios,
-    codes_of_rests,
-    predicted,
-    with_widths,
-)
+from urushi.material.layer import absent, check_ratios, codes_of_rests, predicted, with_widths
 from urushi.material.material import Material
 from urushi.material.reflector import Reflector, Substrate
 from urushi.nets import lobe as lobes

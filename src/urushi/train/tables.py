@@ -111,10 +111,7 @@ class TableStore:
         return digest.hexdigest()
 
     def complete(
-        self,
-        make: Callable[[Any], Arrays],
-        tasks: Iterable[tuple[Any, ...]],
-        cluster: str | None,
+        self, make: Callable[[Any], Arrays], tasks: Iterable[tuple[Any, ...]], cluster: str | None
     ) -> "TableStore":
         """Write the shards of tasks, each once and as a whole. Only this process writes.
 

@@ -92,11 +92,7 @@ class BasisDecoder:
     """
 
     def __init__(
-        self,
-        model: Model,
-        kind: LobeKind,
-        functions: np.ndarray | None = None,
-        faint: float = 0.0,
+        self, model: Model, kind: LobeKind, functions: np.ndarray | None = None, faint: float = 0.0
     ):
         """Decode codes of a model.
 

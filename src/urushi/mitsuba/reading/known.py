@@ -151,8 +151,7 @@ def known_surface(bsdf: "mi.BSDF") -> KnownSurface:
     if bsdf.class_name() == "SmoothDiffuse":
         channels = partial(_channels, nested_objects(bsdf), "reflectance")
         return KnownSurface(
-            lobes=lambda si: [[*map(mi.Float, NO_LOBE)] for _ in channels(si)],
-            reflectance=channels,
+            lobes=lambda si: [[*map(mi.Float, NO_LOBE)] for _ in channels(si)], reflectance=channels
         )
     plastic = bsdf.class_name() in PLASTICS and "alpha_u" not in nested_objects(bsdf)
     if plastic and GGX in str(bsdf):

@@ -58,7 +58,8 @@ def interaction(wi: Any, uv: Any, repeat: float | np.ndarray = 0.0) -> "mi.Surfa
     si.n = mi.Normal3f(0, 0, 1)
     si.sh_frame = mi.Frame3f(mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0), mi.Vector3f(0, 0, 1))
     si.dp_du, si.dp_dv = mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0)
-    spectrum.set_bands(si)
+    if mi.is_spectral:
+        si.wavelengths = mi.Spectrum([*spectrum.RGB, spectrum.RGB[-1]])
     return si
 
 

@@ -153,7 +153,11 @@ class BottomRows:
         for x in self._varying:
             if x.texture:
                 row = texels(rows[x.axis.name])
-                textures[id(x.texture)] = _shifted(x.texture, row) if x.changes else row
+                if x.changes:
+                    row = derived(
+                        lambda si, active, a, b: a + b, {"value": x.texture, "change": row}
+                    )
+                textures[id(x.texture)] = row
             elif x.axis.name != INDEX:  # a plain number, which changes in all rows alike
                 numbers[x.axis.name.removeprefix(BOTTOM)] = x.axis.least + rows[x.axis.name][0]
         coat, nested = self._layer.coat, self._layer.nested
@@ -245,12 +249,6 @@ def texels(values: np.ndarray) -> "mi.Texture":
     data = mi.Bitmap(np.array(values, np.float32).reshape(1, -1, 1))
     options = {"raw": True, "filter_type": "nearest", "wrap_mode": "clamp"}
     return mi.load_dict({"type": "bitmap", "bitmap": data, **options})
-
-
-def _shifted(texture: "mi.Texture", row: "mi.Texture") -> "mi.Texture":
-    """A texture to which another is added."""
-    parts = {"value": texture, "change": row}
-    return derived(lambda si, active, value, change: value + change, parts)
 
 
 def wavelengths_of(rows: Mapping[str, np.ndarray], count: int) -> Any:

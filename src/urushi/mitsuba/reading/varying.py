@@ -84,9 +84,7 @@ WAVELENGTH, NANOMETRES, BOTTOM = "wavelength", "nm", "bottom."
 
 
 def varying_parameters(
-    coat: CoatTextures,
-    bottom: "mi.BSDF",
-    known: Sequence[Varying] | None = None,
+    coat: CoatTextures, bottom: "mi.BSDF", known: Sequence[Varying] | None = None
 ) -> list[Varying]:
     """The parameters of a coat and a bottom that vary or carry gradients.
 

@@ -173,9 +173,7 @@ _FUNCTIONS: dict[str, dict[str, Function]] = {
             out_low + (x - low) * (out_high - out_low) / (high - low)
         )
     },
-    "in lumacoeffs": {
-        "luminance": lambda x, weights: _keep_alpha(_dot(x[..., :3], weights), x),
-    },
+    "in lumacoeffs": {"luminance": lambda x, weights: _keep_alpha(_dot(x[..., :3], weights), x)},
     "in amount": {"invert": lambda x, amount: amount - x, "rotate2d": _rotate},
     "in mask": {"inside": lambda x, mask: x * mask, "outside": lambda x, mask: x * (1 - mask)},
     "in scale normal tangent bitangent": {"normalmap": _normal_map},

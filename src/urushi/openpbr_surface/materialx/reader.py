@@ -26,13 +26,7 @@ from urushi.openpbr_surface.materialx.shaders import (
     renamed,
     separated,
 )
-from urushi.openpbr_surface.parameters import (
-    EMISSION,
-    PARAMETERS,
-    Parameter,
-    checked,
-    parameter,
-)
+from urushi.openpbr_surface.parameters import EMISSION, PARAMETERS, Parameter, checked, parameter
 
 #: Largest amount by which a colour may leave [0, 1] without a warning.
 GAMUT_TOLERANCE = 0.01

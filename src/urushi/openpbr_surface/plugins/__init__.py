@@ -8,11 +8,7 @@ def _load() -> dict:
     from urushi.openpbr_surface.plugins.materialx import materialx
     from urushi.openpbr_surface.plugins.openpbr import openpbr
 
-    return {
-        "openpbr": openpbr,
-        "materialx": materialx,
-        "openpbr_emission": emission.define(),
-    }
+    return {"openpbr": openpbr, "materialx": materialx, "openpbr_emission": emission.define()}
 
 
 PLUGINS = PluginSet(_load, bsdfs=("openpbr", "materialx"), emitters=("openpbr_emission",))
