@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urushi.core.namespace import Namespace
+from urushi.core.probe_pairs import even_points
 from urushi.parallel import fill_blocks
 
 #: Offset of a reflectance in its logarithm.
@@ -168,16 +169,11 @@ def points(dimensions: int, count: int) -> np.ndarray:
     """At most `count` points (n, d) of the unit cube: its corners, and others that are denser near
     its ends.
 
-    The others are a sequence of Roberts (2018), at `LEVELS` + 1 values of each coordinate: what
+    The others are `even_points`, at `LEVELS` + 1 values of each coordinate: what
     depends on one parameter alone is computed once for each value.
     """
     corners = np.array(list(np.ndindex(*[2] * dimensions)), float)[: count // 2]
-    ratio = 2.0
-    for _ in range(64):  # the root of x^(d + 1) = x + 1
-        ratio = (1 + ratio) ** (1 / (dimensions + 1))
-    steps = ratio ** -np.arange(1.0, dimensions + 1)
-    others = (0.5 + np.arange(1, count - len(corners) + 1)[:, None] * steps) % 1
-    others = np.rint(others * LEVELS) / LEVELS
+    others = np.rint(even_points(count - len(corners), dimensions) * LEVELS) / LEVELS
     return np.unique(np.concatenate([corners, 0.5 - 0.5 * np.cos(np.pi * others)]), axis=0)
 
 

@@ -7,7 +7,7 @@ few functions U A of the material in place of all functions U, and reads fewer b
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -64,11 +64,7 @@ class Projection:
 
     def first(self, count: int) -> "Projection":
         """The projection to the first components."""
-        return Projection(self.mean, self.into[:, :count], self.back[:count], self.levels)
-
-    def scaled(self, factors: np.ndarray) -> "Projection":
-        """The projection to components times factors (N,)."""
-        return Projection(self.mean, self.into * factors, self.back / factors[:, None], self.levels)
+        return replace(self, into=self.into[:, :count], back=self.back[:count])
 
 
 def projection_of(
@@ -92,7 +88,8 @@ def projection_of(
     functions = projection.functions(own.rows)
     size = np.maximum(np.abs(functions[:, 1:]).max(axis=0), 1e-9)
     functions[:, 1:] /= size
-    return functions.astype(np.float32), projection.scaled(size)
+    into, back = projection.into * size, projection.back / size[:, None]
+    return functions.astype(np.float32), replace(projection, into=into, back=back)
 
 
 def _blocks(rests: np.ndarray) -> Iterator[np.ndarray]:
