@@ -15,7 +15,7 @@ from urushi.core import fresnel
 from urushi.core.appearance import optical_depth
 from urushi.core.facets import MIRROR, multiple_albedo
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo
+from urushi.mitsuba.tables import InterfaceAlbedo
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lost_light import AXES, LostLight

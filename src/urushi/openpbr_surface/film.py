@@ -16,8 +16,8 @@ from urushi.core.facets import MIRROR
 from urushi.core.namespace import DRJIT
 from urushi.core.quadrature import gauss
 from urushi.material.crossing import in_plane, mirrored
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo, Interpolated, coordinates
 from urushi.mitsuba.recording import compiled_once
+from urushi.mitsuba.tables import InterfaceAlbedo, Interpolated, albedo_coordinates
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import names_of
@@ -66,7 +66,9 @@ class FilmFresnel:
 
     def facets(self, cosine, alpha):
         """Cosines and weights of a Gauss rule of `rules`, for a direction; None: diffuse light."""
-        rule = (self._mean_rule if cosine is None else self._rule)(coordinates(cosine, alpha, None))
+        rule = (self._mean_rule if cosine is None else self._rule)(
+            albedo_coordinates(cosine, alpha, None)
+        )
         return zip(rule[:NODES], rule[NODES:], strict=True)
 
     def mean(self, cosine, alpha, eta, bare, si, active):

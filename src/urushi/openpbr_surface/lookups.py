@@ -11,7 +11,7 @@ import numpy as np
 from urushi.core import albedos
 from urushi.core.albedos import between_nodes, indexnodes
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.interface_albedo import Interpolated, coordinates
+from urushi.mitsuba.tables import Interpolated, albedo_coordinates
 from urushi.openpbr_surface import formulas
 
 #: Lower bound of the share of light that leaves the slab at once; an index of 10 gives more.
@@ -80,9 +80,9 @@ class RoughSlab:
         """
         alpha, eta = interface
         at = alpha, eta if self._constant is None else self._constant
-        ends = [self._table(coordinates(w.z, *at)) for w in (wi, wo)]
+        ends = [self._table(albedo_coordinates(w.z, *at)) for w in (wi, wo)]
         inside, excess = zip(*ends, strict=True)
-        excess_mean = self._mean(coordinates(None, *at))[0]
+        excess_mean = self._mean(albedo_coordinates(None, *at))[0]
         direct = dr.clip(passed_mean / dr.square(eta), LEAST_SHARE, 1)
         internal = 1 - direct
         rho = formulas.slab_albedo(color, internal)

@@ -14,10 +14,10 @@ import numpy as np
 from urushi.core import anisotropic_albedos
 from urushi.core.namespace import DRJIT
 from urushi.core.quadrature import directional_albedos
-from urushi.mitsuba.interface_albedo import Interpolated
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.rows import along_u, texels
+from urushi.mitsuba.tables import Interpolated
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.textures.axes import INDEX, LINEAR, Axis

@@ -23,8 +23,8 @@ from urushi.core.facets import MIRROR, multiple_lobe
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
+from urushi.mitsuba.tables import InterfaceAlbedo
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel

@@ -17,8 +17,8 @@ from urushi.core.facets import MIRROR
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised, relative, with_far_side
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.surface import Surface
+from urushi.mitsuba.tables import InterfaceAlbedo
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.bsdfs import SPREAD, SurfaceProposal
 from urushi.openpbr_surface.film import NAMES as film_parameters

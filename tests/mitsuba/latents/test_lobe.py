@@ -10,8 +10,7 @@ from urushi.core.direction_sets import cosine_pairs
 from urushi.core.table import interpolated
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.basis import BasisDecoder, table_of
-from urushi.mitsuba.latents.codes import ConstantLatents
+from urushi.mitsuba.latents.codes import BasisDecoder, ConstantLatents, table_of
 from urushi.mitsuba.latents.lobe import ANY_LOBE
 from urushi.mitsuba.latents.over_axes import AxisLatents, texel_axes
 from urushi.nets import lobe as numpy_lobe

@@ -17,7 +17,7 @@ from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.latents.tables import interpolated, padded
+from urushi.mitsuba.tables import interpolated, padded
 from urushi.nets.features import stacked
 from urushi.nets.lobe import WIDTH_PLACES, reflectance_of
 from urushi.nets.proposal import ALPHAS, LARGEST_STRETCH, mixture, stretched_widths, weights

@@ -17,11 +17,10 @@ import numpy as np
 
 from urushi.core.namespace import DRJIT, NUMPY
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.basis import BasisDecoder
-from urushi.mitsuba.latents.codes import EvaluatedCodes, Vertex
+from urushi.mitsuba.latents.codes import BasisDecoder, EvaluatedCodes, Vertex
 from urushi.mitsuba.latents.lobe import CodeProposals, kind_of
-from urushi.mitsuba.latents.tables import Numbers
 from urushi.mitsuba.recording import only_where, owned
+from urushi.mitsuba.tables import Numbers
 from urushi.nets import lobe as lobes
 from urushi.nets import proposal, transmittance
 from urushi.nets.weights import Model

@@ -18,7 +18,6 @@ from urushi.core.appearance import WI, WO, coated_color
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.plugins.stack import BottomLobes, CoatStack, MitsubaBottom, channel_widths
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.changed import relative_to
@@ -36,6 +35,7 @@ from urushi.mitsuba.reading.parameters import COAT_PROPERTIES, CoatTextures
 from urushi.mitsuba.reading.ranges import check_coat
 from urushi.mitsuba.recording import compiled_once
 from urushi.mitsuba.surface import KnownSurface, Surface, surface_of
+from urushi.mitsuba.tables import InterfaceAlbedo
 
 #: Directions from which the light that a bottom mirrors is estimated, the least tangent of their
 #: half vectors, and the repetitions where the bottom is the same everywhere.

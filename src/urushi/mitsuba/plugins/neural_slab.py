@@ -20,13 +20,12 @@ from urushi.material.slab_coordinates import (
 from urushi.material.slab_table import SlabTables, slab_tables
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised
-from urushi.mitsuba.interface_albedo import Interpolated
-from urushi.mitsuba.latents.tables import interpolated, padded, stored, tabulated
 from urushi.mitsuba.plugins.coated import CoatedSurface
 from urushi.mitsuba.plugins.stack import CoatStack, width
 from urushi.mitsuba.properties import has_gradients, ignore
 from urushi.mitsuba.reading.known import varies
 from urushi.mitsuba.recording import only_where, opaque, owned
+from urushi.mitsuba.tables import Interpolated, interpolated, padded, stored, tabulated
 from urushi.walk import interface
 
 #: Quantiles of the half angles at which lobes are sampled, and the weights of these lobes and of a

@@ -7,9 +7,9 @@ import mitsuba as mi
 
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.interface_albedo import InterfaceAlbedo
 from urushi.mitsuba.properties import ParameterSnapshot
 from urushi.mitsuba.recording import signature_of
+from urushi.mitsuba.tables import InterfaceAlbedo
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import EMISSION
