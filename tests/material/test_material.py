@@ -1,5 +1,7 @@
 """A material's f is reciprocal and positive; its pdf, samples and albedo belong together."""
 
+import pickle
+
 import numpy as np
 import pytest
 from tests.directions import above, at_cosines
@@ -19,6 +21,15 @@ def test_f_is_reciprocal_positive_above_and_zero_below_the_horizon(every, direct
     assert (f[above] > 0).all() and np.isfinite(f).all()
     assert (f[~above] == 0).all() and not above.all()
     assert (every.pdf(wi, wo)[~above] == 0).all()
+
+
+def test_a_pickled_material_is_the_same(every, directions):
+    # Such as processes send to each other, also after its evaluation.
+    wi, wo = directions, np.roll(directions, 1, axis=0)
+    f = every.f(wi, wo)
+    received = pickle.loads(pickle.dumps(every))
+    assert received == every
+    assert np.array_equal(received.f(wi, wo), f)
 
 
 def test_many_rows_are_the_same_as_few(material):

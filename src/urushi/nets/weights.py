@@ -68,6 +68,10 @@ class Model:
         """Codes, layering, evaluation and proposals."""
         return Networks.of(self.params, self.arch)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What pickles and copies hold; `networks` follows from it, with functions in memory."""
+        return {name: value for name, value in vars(self).items() if name != "networks"}
+
 
 def checked_parameters(
     params: Params, shapes: Mapping[str, tuple[int, ...]]
