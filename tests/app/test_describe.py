@@ -35,6 +35,8 @@ def test_means_what_python_means(text):
         ("", "not a Python expression"),
         ("conductor(", "not a Python expression"),
         ("import os", "not a Python expression"),
+        ("[0.5]", "neither a call nor a name"),
+        ("crimson", "neither a call nor a name"),
         ("lacquer(0.2)", "'lacquer' is not one of coat, slab, conductor, dielectric, diffuse"),
         ("__import__('os').getcwd()", "is not one of"),
         ("urushi.diffuse(0.5)", "is not one of"),

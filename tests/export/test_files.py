@@ -133,6 +133,10 @@ def test_command_writes_materials(model, materials, tmp_path, export, language, 
     status, _, error = export("-l", language, "--texture", tmp_path / "all.png")
     assert status == 2
     assert f"reads no texture files '.png'; give a name with .{suffix}" in error
+    # Of two options -o the last one counts
+    status, _, error = export("-l", language, "-o", tmp_path / f"new.{suffix}")
+    assert status == 2 and "would replace the code" in error
+    assert not (tmp_path / f"new.{suffix}").exists()
 
 
 def test_command_writes_textures(model, packed, tmp_path, export):

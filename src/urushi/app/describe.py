@@ -42,6 +42,8 @@ def describe(text: str) -> Any:
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError) as error:
         raise _refuse(text, "it is not a Python expression") from error
+    if not isinstance(tree.body, ast.Call):
+        raise _refuse(text, "it is neither a call nor a name of `urushi materials`")
     return _build(tree.body, text)
 
 

@@ -80,6 +80,8 @@ class Export:
                 f"exported {self.language} code reads no texture files '{path.suffix}'; give a "
                 f"name with {' or '.join(suffixes)}"
             )
+        if path == self.output:
+            raise ParameterError(f"the texture would replace the code in '{path}'; name one anew")
         return path
 
     def _exported(self) -> "tuple[str, np.ndarray | None, Image | None]":
