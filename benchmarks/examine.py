@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from benchmarks import sphere
+from benchmarks import brdf_errors, sphere
 from benchmarks.measures import Brdf, error, in_plane
+from benchmarks.pairs import half_angle_pairs
 from benchmarks.pictures import compare
 from benchmarks.showing import percent, table
 from matplotlib.figure import Figure
@@ -22,7 +23,7 @@ from matplotlib.figure import Figure
 import urushi
 from urushi.app.encode import Encode, opened, scene_bsdfs
 from urushi.core import error_metrics as metrics
-from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
+from urushi.core.direction_sets import cosine_pairs
 from urushi.core.quadrature import directional_albedos
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
@@ -65,7 +66,7 @@ def examine(path: Path, name: str, source: Any, material: Material) -> dict[str,
     pictures, inside = [sphere.studio(f) for f in both], sphere.mask()
     figures = {
         "E": e,
-        "P": float(np.median(metrics.pair_error(material.f(wi, wo), truth))),
+        "P": float(np.median(brdf_errors.pair_error(material.f(wi, wo), truth))),
         "anisotropy": found.deviations.anisotropy,
         "reciprocity": found.deviations.reciprocity,
         "PSNR": compare(pictures[1], pictures[0], inside).psnr,

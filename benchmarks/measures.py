@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from benchmarks import brdf_errors
 
-from urushi.core import error_metrics
 from urushi.mitsuba.reading import probing
 
 #: f(wi, wo) -> (N, C) [1/sr].
@@ -21,7 +21,7 @@ def in_plane(angles: npt.ArrayLike) -> np.ndarray:
 
 def channel_errors(f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """E of each channel (C,), of values (N, C)."""
-    return error_metrics.stack_error(f_hat.T, f.T, wi[:, 2], wo[:, 2])
+    return brdf_errors.stack_error(f_hat.T, f.T, wi[:, 2], wo[:, 2])
 
 
 def error(f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> float:

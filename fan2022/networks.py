@@ -11,8 +11,8 @@ import numpy as np
 
 from fan2022.architecture import ALL, LATENT, PaperArchitecture, shapes
 from fan2022.inference import direction_inputs, evaluate, isotropic, layer
+from fan2022.pairs import stratified_pairs
 from urushi.checks import CoatParameters, one_width
-from urushi.core.direction_sets import stratified_pairs
 from urushi.errors import ParameterError
 from urushi.nets import weights
 from urushi.nets.mlp import Params

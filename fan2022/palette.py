@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fan2022.pairs import stratified_pairs
 from urushi import files
-from urushi.core.direction_sets import stratified_pairs
 from urushi.train.tables import FORMAT_VERSION, Arrays, TableStore
 from urushi.walk import analytic
 from urushi.walk.simulate import walk_pairs

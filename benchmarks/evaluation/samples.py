@@ -8,9 +8,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from benchmarks import brdf_errors
 from benchmarks.evaluation.distributions import Clear, Table2
+from benchmarks.pairs import half_angle_pairs
 
-from urushi.core import direction_sets, error_metrics
+from urushi.core import direction_sets
 from urushi.train.distribution import Extended
 from urushi.walk import StackTable, analytic, walk_pairs
 
@@ -155,7 +157,7 @@ def draw_pairs(group: Group, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Draw every stack's pairs, first for E and then for P; two arrays (S, M, 3) float32."""
     rng = generator(group, seed, 1)
     for_e = direction_sets.cosine_pairs(rng, group.stacks * E_PAIRS)
-    for_p = direction_sets.half_angle_pairs(rng, group.stacks * P_PAIRS)
+    for_p = half_angle_pairs(rng, group.stacks * P_PAIRS)
     wi, wo = (
         np.concatenate([e.reshape(-1, E_PAIRS, 3), p.reshape(-1, P_PAIRS, 3)], axis=1)
         for e, p in zip(for_e, for_p, strict=True)
@@ -216,9 +218,9 @@ def stack_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
     """E of every stack, (S,), from values (S, M) at all pairs."""
     part = slice(None, E_PAIRS)
     cos_i, cos_o = samples.wi[:, part, 2], samples.wo[:, part, 2]
-    return error_metrics.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)
+    return brdf_errors.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)
 
 
 def pair_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
     """P of every pair, (S, P_PAIRS), from values (S, M) at all pairs."""
-    return error_metrics.pair_error(f_hat[:, E_PAIRS:], samples.f[:, E_PAIRS:])
+    return brdf_errors.pair_error(f_hat[:, E_PAIRS:], samples.f[:, E_PAIRS:])

@@ -12,9 +12,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from benchmarks import brdf_errors
 from benchmarks.evaluation import predict, samples
 from benchmarks.evaluation.distributions import anisotropic
 from benchmarks.experiment import BOTH, Experiment, Found, Options
+from benchmarks.pairs import slope_pairs
 from benchmarks.showing import rounded
 from benchmarks.showing import table as markdown
 from research.rivals import belcour, weier
@@ -22,8 +24,7 @@ from research.rivals.belcour_bottoms import SUFFIX
 
 import urushi
 from urushi.checks import Widths
-from urushi.core import error_metrics
-from urushi.core.direction_sets import cosine_pairs, slope_pairs
+from urushi.core.direction_sets import cosine_pairs
 from urushi.material import Material
 from urushi.material.layer import layer_material
 from urushi.material.source import STACK_WALKS
@@ -146,10 +147,10 @@ def errors(materials: list[Material], held: dict[str, np.ndarray]) -> tuple[np.n
     f = predict.evaluate(materials, held["wi"], held["wo"])
     first, last = slice(None, E_PAIRS), slice(E_PAIRS, None)
     cosines = held["wi"][:, first, 2], held["wo"][:, first, 2]
-    found = error_metrics.stack_error(f[:, first], held["f"][:, first], *cosines)
+    found = brdf_errors.stack_error(f[:, first], held["f"][:, first], *cosines)
     noisy = held["f"] + held["se"] * np.sqrt(2 / np.pi)
-    own = error_metrics.stack_error(noisy[:, first], held["f"][:, first], *cosines)
-    return found, own, error_metrics.pair_error(f[:, last], held["f"][:, last])
+    own = brdf_errors.stack_error(noisy[:, first], held["f"][:, first], *cosines)
+    return found, own, brdf_errors.pair_error(f[:, last], held["f"][:, last])
 
 
 def by_rivals(table: StackTable, held: dict[str, np.ndarray]) -> list[np.ndarray]:
@@ -158,7 +159,7 @@ def by_rivals(table: StackTable, held: dict[str, np.ndarray]) -> list[np.ndarray
     flat = samples.by_row(wi, wo)
     values = weier.rows(table, *flat), belcour.rows(one_width(table), *flat)
     cosines = wi[..., 2], wo[..., 2]
-    return [error_metrics.stack_error(v.reshape(f.shape), f, *cosines) for v in values]
+    return [brdf_errors.stack_error(v.reshape(f.shape), f, *cosines) for v in values]
 
 
 def one_width(table: StackTable) -> StackTable:

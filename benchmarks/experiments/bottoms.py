@@ -11,13 +11,13 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+from benchmarks.brdf_errors import stack_error
 from benchmarks.experiment import BOTH, Experiment, Found, Options
 from benchmarks.measures import bsdf_values
 from benchmarks.showing import rounded, table
 
 import urushi  # noqa: F401  (registers the plugins)
 from urushi.core import direction_sets
-from urushi.core.error_metrics import stack_error
 from urushi.errors import UrushiError
 from urushi.mitsuba.reading import probing
 

@@ -13,6 +13,7 @@ from unittest import mock
 
 import drjit as dr
 import numpy as np
+from benchmarks import brdf_errors
 from benchmarks.evaluation import benchmark, samples
 from benchmarks.evaluation.samples import GROUPS
 from benchmarks.experiment import Experiment, Found, Options, Pictures
@@ -147,7 +148,7 @@ def table2(walks: int) -> Found:
         with variant():
             values[name], _ = samples.walk_all(stored.table, wi, wo, walks, SEED)
     reference = values.pop("right")
-    error = partial(samples.error_metrics.stack_error, cos_i=wi[..., 2], cos_o=wo[..., 2])
+    error = partial(brdf_errors.stack_error, cos_i=wi[..., 2], cos_o=wo[..., 2])
     weight = samples.error_metrics.energy_weight(wi[..., 2], wo[..., 2])
     found: Found = {"noise": rounded(error(reference, stored.f[part]))}
     for name, f in values.items():

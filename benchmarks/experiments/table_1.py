@@ -13,18 +13,20 @@ from typing import Any
 
 import jax
 import numpy as np
-from benchmarks import sphere, timing
+from benchmarks import brdf_errors, sphere, timing
 from benchmarks.experiment import NETWORKS, PARTS, Experiment, Found, Options, Pictures
 from benchmarks.measures import error as e_of
+from benchmarks.pairs import half_angle_pairs
 from benchmarks.pictures import compare
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
 from benchmarks.rivals.perceptron import size, training_pairs
 from benchmarks.showing import figure, interval, table
 from benchmarks.subjects import SEED, Subject, Walked, subjects, training_set
 from fan2022 import architecture as paper
+from fan2022.pairs import stratified_pairs
 
 import urushi
-from urushi.core import direction_sets, error_metrics
+from urushi.core import direction_sets
 from urushi.files import atomic_write
 from urushi.material.source import Source
 from urushi.nets.weights import default_model
@@ -100,8 +102,8 @@ def measure(subject: Subject | None, options: Options) -> Found:
     rng, walked = np.random.default_rng((SEED, 1)), isinstance(subject.source, Walked)
     pairs = {
         "E": direction_sets.cosine_pairs(rng, REFERENCE["E"][0], lowest_cosine=0.02),
-        "P": direction_sets.half_angle_pairs(rng, REFERENCE["P"][0]),
-        "L1": direction_sets.stratified_pairs(rng, REFERENCE["L1"][0]),
+        "P": half_angle_pairs(rng, REFERENCE["P"][0]),
+        "L1": stratified_pairs(rng, REFERENCE["L1"][0]),
     }
     truth, own = {}, 0.0
     for seed, (name, (wi, wo)) in enumerate(pairs.items()):
@@ -132,7 +134,7 @@ def error(name: str, f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.nd
     if name == "E":
         return e_of(f_hat, f, wi, wo)
     if name == "P":
-        return float(np.median(error_metrics.pair_error(f_hat, f)))
+        return float(np.median(brdf_errors.pair_error(f_hat, f)))
     return float(np.abs(f_hat - f).mean())
 
 

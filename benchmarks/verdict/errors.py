@@ -7,6 +7,7 @@ from typing import Any
 
 import fan2022
 import numpy as np
+from benchmarks import brdf_errors
 from benchmarks.evaluation import benchmark_set, samples
 from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group
@@ -63,7 +64,7 @@ def isotropic(interfaces: int, paper: PaperNetworks) -> dict[str, Any]:
             difference = np.abs(of(wo[part], wi[part]) - f)
             exchange = float((difference * weight).sum() / (f * weight).sum())
         found[name] = {
-            "E": rounded(error_metrics.stack_error(f, truth, *cosines)),
+            "E": rounded(brdf_errors.stack_error(f, truth, *cosines)),
             "exchange": float(f"{exchange:.3g}"),
             "seconds": float(f"{seconds:.3g}"),
         }

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from benchmarks.pairs import half_angle_pairs
 from benchmarks.rivals import rainer
 from benchmarks.rivals.perceptron import size
 
-from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
+from urushi.core.direction_sets import cosine_pairs
 
 
 def relative(found, wanted):

@@ -16,11 +16,11 @@ from fan2022 import (
 )
 from fan2022.architecture import PaperArchitecture, init
 from fan2022.inference import direction_inputs
+from fan2022.pairs import stratified_pairs
 from fan2022.palette import make_shard, read_shard
 from fan2022.preset import PaperPreset
 from fan2022.training import train
 
-from urushi.core.direction_sets import stratified_pairs
 from urushi.errors import ParameterError
 from urushi.train.checkpoint import Journal
 from urushi.train.tables import generate

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from benchmarks.brdf_errors import stack_error
 from tests.untrained import untrained
 
 import urushi
-from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model, default_model

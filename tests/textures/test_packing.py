@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from benchmarks.brdf_errors import stack_error
 
 from urushi.core.direction_sets import cosine_pairs
-from urushi.core.error_metrics import stack_error
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model, default_model
 from urushi.textures import packing

@@ -3,12 +3,12 @@
 import drjit as dr
 import numpy as np
 import pytest
+from benchmarks.brdf_errors import stack_error
 from tests.mitsuba.probes import f, strip, update, vector
 
 import urushi
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.directions import rotated
-from urushi.core.error_metrics import stack_error
 from urushi.mitsuba.reading import probing
 from urushi.nets.weights import anisotropic_model, default_model
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from benchmarks import brdf_errors
 from research.rivals import belcour, weier
 
-from urushi.core import error_metrics
 from urushi.core.direction_sets import cosine_pairs
 from urushi.walk import coat, conductor, dielectric, diffuse, simulate
 
@@ -50,7 +50,7 @@ def test_lacquered_hairlines_are_near_the_walk() -> None:
     walked = simulate(hairlines, wi, wo, walks=4096, seed=1)[0][:, 0]
 
     def error(f) -> float:
-        return float(error_metrics.stack_error(f[:, 0], walked, wi[:, 2], wo[:, 2]))
+        return float(brdf_errors.stack_error(f[:, 0], walked, wi[:, 2], wo[:, 2]))
 
     isotropic = lacquered(conductor(float(np.sqrt(0.06 * 0.3)), r0=0.9))
     found = error(weier.f(hairlines, wi, wo))
