@@ -7,6 +7,10 @@ from urushi import checks
 from urushi.core import error_metrics
 from urushi.errors import ParameterError
 
+#: [1/sr] Added to f in P and before logarithms are compared: values far below it look black, and
+#: measured colours outside of sRGB have channels that are zero.
+DARK_OFFSET = 1e-3
+
 
 def stack_error(
     f_hat: npt.ArrayLike, f: npt.ArrayLike, cos_i: npt.ArrayLike, cos_o: npt.ArrayLike
@@ -46,4 +50,4 @@ def pair_error(f_hat: npt.ArrayLike, f: npt.ArrayLike) -> np.ndarray:
         (...) float64.
     """
     f_hat, f = checks.finite(f_hat=f_hat, f=f)
-    return np.abs(f_hat - f) / (f + error_metrics.DARK_OFFSET)
+    return np.abs(f_hat - f) / (f + DARK_OFFSET)

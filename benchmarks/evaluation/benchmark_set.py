@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.brdf_errors import DARK_OFFSET
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.benchmark import KIND, SEED, describe, read
 from benchmarks.evaluation.samples import ALBEDO_STACKS, E_PAIRS, GROUPS, Group, Samples
@@ -165,7 +166,7 @@ def _pooled(f: np.ndarray, se: np.ndarray) -> np.ndarray:
     The error of a pair is too small if its rare bright walks are missing in the pilot run; the
     other pairs of the same stack show the noise.
     """
-    relative = se / (f + error_metrics.DARK_OFFSET)
+    relative = se / (f + DARK_OFFSET)
     typical = np.sqrt((relative**2).mean(axis=1, keepdims=True))
     return np.hypot(se, 0.5 * typical * f)
 
@@ -183,13 +184,13 @@ def _walks_for_errors(
     share = (weight * sd[:, part]) ** (2 / 3)
     allowed = E_ERROR * (weight * f[:, part]).sum(1, keepdims=True)
     for_e = share * (share.sum(1, keepdims=True) / np.maximum(allowed, 1e-12)) ** 2
-    for_p = (sd / (f + error_metrics.DARK_OFFSET) / P_ERROR)[:, E_PAIRS:] ** 2
+    for_p = (sd / (f + DARK_OFFSET) / P_ERROR)[:, E_PAIRS:] ** 2
     return np.concatenate([for_e, np.minimum(for_p, MAX_P_WALKS)], axis=1)
 
 
 def _walks_for_probes(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
     """Walks (S, M) for which P of a pair's noise is `PROBE_ERROR`; at most those of `encode`."""
-    return np.minimum((sd / (f + error_metrics.DARK_OFFSET) / PROBE_ERROR) ** 2, STACK_WALKS)
+    return np.minimum((sd / (f + DARK_OFFSET) / PROBE_ERROR) ** 2, STACK_WALKS)
 
 
 def _albedo(

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from benchmarks.brdf_errors import DARK_OFFSET
 from benchmarks.evaluation import predict
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import Group, Samples
 
 from urushi.checks import CoatParameters
-from urushi.core import error_metrics
 from urushi.material import Material
 from urushi.material.layer import layer_material
 from urushi.nets.weights import Model
@@ -164,7 +164,7 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
             values.append(predict.evaluate(materials, wi, wo).astype(np.float64))
             albedos.append(_albedo(materials))
         f = np.stack(values)
-        rises.append((f[1:] - f[:-1]) / (f[:-1] + error_metrics.DARK_OFFSET))
+        rises.append((f[1:] - f[:-1]) / (f[:-1] + DARK_OFFSET))
         albedo_rises.append(np.diff(np.stack(albedos), axis=0))
     rise = np.concatenate(rises, axis=1)
     worst_albedo = max(float(r.max()) for r in albedo_rises)

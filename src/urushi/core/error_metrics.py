@@ -8,10 +8,6 @@ from urushi import checks
 #: Least cosine in the weights of E, so that grazing pairs are not ignored.
 COSINE_FLOOR = 0.02
 
-#: [1/sr] Added to f in P and before logarithms are compared: values far below it look black, and
-#: measured colours outside of sRGB have channels that are zero.
-DARK_OFFSET = 1e-3
-
 #: Added to squared radiances in relative errors of images, which keeps dark pixels finite.
 DARK_SQUARE = 1e-2
 
