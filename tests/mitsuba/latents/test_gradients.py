@@ -230,6 +230,26 @@ def test_plain_numbers_of_bottoms_have_gradients(rgb):
     np.testing.assert_allclose(found, slopes, rtol=0.1)
 
 
+def test_indices_of_coats_over_metals_have_gradients(rgb):
+    """The metal is relative to the index of the coat above it, not to that of the next one."""
+
+    def loaded(outer=1.4, inner=1.6):
+        below = coat(rgb, int_ior=inner, sigma_t=0.0, albedo=0.0)
+        return rgb.load_dict(coat(rgb, int_ior=outer, sigma_t=0.0, albedo=0.0, bottom=below))
+
+    def mean(bsdf):
+        return dr.mean(bsdf.eval(*points(rgb)), axis=None)
+
+    bsdf, keys = loaded(), ("eta", "bottom.eta")
+    parameters = attached(rgb, bsdf, *keys)
+    dr.backward(mean(bsdf))
+    found = [dr.grad(parameters[key]).numpy()[0] for key in keys]
+    ends = [{"outer": 1.36}, {"outer": 1.44}, {"inner": 1.56}, {"inner": 1.64}]
+    f = [mean(loaded(**end)).numpy()[0] for end in ends]
+    slopes = (f[1] - f[0]) / 0.08, (f[3] - f[2]) / 0.08
+    np.testing.assert_allclose(found, slopes, rtol=0.1)
+
+
 def test_saved_materials_have_gradients_of_their_codes(rgb, tmp_path):
     from urushi.material import encode
 

@@ -8,6 +8,7 @@ from tests.mitsuba.probes import check_walk, f, strip, walked
 
 import urushi
 from urushi.core import fresnel
+from urushi.core.direction_sets import cosine_pairs
 from urushi.core.namespace import NUMPY
 
 WI = np.array([[0.6, 0, 0.8]] * 3, np.float32)
@@ -60,6 +61,21 @@ def test_a_textured_medium_without_an_interface_is_beers_law(rgb, base):
     found, bare = (f(rgb.load_dict(bsdf), WI, WO, uv) for bsdf in (coat, base))
     path = data * (1 / WI[:, 2] + 1 / WO[:, 2])
     np.testing.assert_allclose(found, bare * np.exp(-path)[:, None], rtol=1e-5)
+
+
+@pytest.mark.parametrize("inner", [(1.3, 2.2), (1.8, 1.4), (1.6, 1.6)])
+def test_metals_below_two_textured_indices_are_those_below_numbers(rgb, inner):
+    def loaded(outer, inner):
+        metal = {"type": "roughconductor", "material": "Cu", "alpha": 0.3, "distribution": "ggx"}
+        coat = {"type": "neural_layered", "alpha": 0.3, "int_ior": inner, "bottom": metal}
+        return rgb.load_dict(coat | {"int_ior": outer, "bottom": coat})
+
+    outer = 1.3, 2.2
+    varying = loaded(*(strip(*x, filter_type="nearest") for x in (outer, inner)))
+    wi, wo = cosine_pairs(np.random.default_rng(3), 64, lowest_cosine=0.1)
+    for place, indices in enumerate(zip(outer, inner, strict=True)):
+        found, expected = f(varying, wi, wo, (0.25 + place / 2, 0.5)), f(loaded(*indices), wi, wo)
+        np.testing.assert_allclose(found.mean(axis=0), expected.mean(axis=0), rtol=0.02)
 
 
 def test_ext_ior_is_kept_where_it_is_given(rgb):

@@ -173,6 +173,11 @@ class Layer:
     nested: Any  # the bottom, a BSDF of Mitsuba's, as the coat has it nested
     below: Any  # the same as it reflects below the coat, see `reading.changed`
 
+    @property
+    def relative(self) -> bool:
+        """Whether the bottom reflects otherwise below the coat than in air."""
+        return self.below is not self.nested
+
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
         """The coat in the middle of uv, see `CoatTextures.numbers`; in all bands of constants."""

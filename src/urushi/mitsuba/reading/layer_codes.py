@@ -105,7 +105,8 @@ class Baker:
         nested = codes if isinstance(codes, AxisLatents) else None
         texels = None if nested is None else nested.baked.grid  # of its codes
         known = None if nested is None else [] if texels else nested.varying
-        varying = joined(varying_parameters(layer.coat, layer.nested, known))
+        relative = codes is None and layer.relative
+        varying = joined(varying_parameters(layer.coat, layer.nested, known, relative))
         names = {x.axis.name for x in varying}
         with dr.suspend_grad():
             eta, albedo = (layer.numbers[name] for name in ("eta", "albedo"))

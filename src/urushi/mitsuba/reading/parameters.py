@@ -15,8 +15,8 @@ from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import Turn
-from urushi.mitsuba.properties import describe, switch_of
-from urushi.mitsuba.reading.known import varies
+from urushi.mitsuba.properties import describe, has_gradients, is_attached, switch_of
+from urushi.mitsuba.reading.known import varies, varying_textures
 from urushi.mitsuba.recording import Recorded, opaque
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
@@ -112,10 +112,31 @@ class CoatTextures(Recorded):
         other.opaque_eta, other.above = opaque(above / self.outside), None
         return other
 
+    def of_index_in_air(self, texture: "mi.Texture") -> "CoatTextures":
+        """The coat whose index relative to air is a texture."""
+        other = copy.copy(self)
+        other.textures = self.textures | {"int_ior": texture}
+        other.opaque_eta, other.above = opaque(1 / self.outside), None
+        return other
+
     @property
     def indices(self) -> list["mi.Float"]:
         """The constants that `eta` depends on: the coat's own index, and that of the one above."""
         return [x.opaque_eta for x in (self, self.above) if x is not None]
+
+    @property
+    def changing_indices(self) -> tuple[bool, bool]:
+        """Whether the coat's own index varies or carries gradients, and that of the one above."""
+
+        def changes(coat: "CoatTextures | None") -> bool:
+            if coat is None:
+                return False
+            if not coat.has_textured_eta:
+                return is_attached(coat.opaque_eta)
+            texture = coat.textures["int_ior"]
+            return bool(varying_textures(texture)) or has_gradients(texture)
+
+        return changes(self), changes(self.above)
 
     def inside(self, si, active=True) -> "mi.Float":
         """The index of refraction of the coat, relative to air."""

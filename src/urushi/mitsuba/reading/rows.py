@@ -27,7 +27,7 @@ from urushi.mitsuba.reading.bottoms import (
 )
 from urushi.mitsuba.reading.changed import derived, relative_to, replaced
 from urushi.mitsuba.reading.known import known_surface, not_over_uv
-from urushi.mitsuba.reading.varying import BOTTOM, NANOMETRES, WAVELENGTH
+from urushi.mitsuba.reading.varying import BOTTOM, INSIDE, NANOMETRES, WAVELENGTH
 from urushi.nets.weights import Model
 from urushi.textures.axes import Varying
 from urushi.textures.baking import FAINT
@@ -158,12 +158,16 @@ class BottomRows:
                         lambda si, active, a, b: a + b, {"value": x.texture, "change": row}
                     )
                 textures[id(x.texture)] = row
-            elif x.axis.name != INDEX:  # a plain number, which changes in all rows alike
+            elif x.axis.name not in (INDEX, INSIDE):  # a number: it changes in all rows alike
                 numbers[x.axis.name.removeprefix(BOTTOM)] = x.axis.least + rows[x.axis.name][0]
         coat, nested = self._layer.coat, self._layer.nested
         if INDEX in self._names:
             constant = any(x.axis.name == INDEX and x.changes for x in self._varying)
             coat = coat.of_index(texels(rows[INDEX] + (coat.eta if constant else 0)))
+        elif INSIDE in self._names:
+            (own,) = (x for x in self._varying if x.axis.name == INSIDE)
+            start = own.axis.least if own.changes else 0.0
+            coat = coat.of_index_in_air(texels(rows[INSIDE] + start))
         if not (textures or numbers):
             return self._layer.below if coat is self._layer.coat else relative_to(nested, coat)
         found = replaced(nested, lambda x: textures.get(id(x), x), numbers)
@@ -226,11 +230,10 @@ def rows_of(
     nested = nested_latents(layer.below, model)
     if isinstance(nested, AxisLatents):
         return NestedRows(nested)
-    # The index of conductors is relative to the coat's.
-    relative = nested is None and layer.below is not layer.nested
-    own = [
-        x for x in varying if x.axis.name.startswith(BOTTOM) or (relative and x.axis.name == INDEX)
-    ]
+    # The index of conductors is relative to the coat's, which `eta` tells if none above changes.
+    relative = nested is None and layer.relative
+    index = INDEX if relative and layer.coat.changing_indices == (True, False) else INSIDE
+    own = [x for x in varying if x.axis.name.startswith(BOTTOM) or x.axis.name == index]
     return BottomRows.of(model, layer, own)
 
 

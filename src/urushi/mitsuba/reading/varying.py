@@ -78,22 +78,31 @@ PARTS, POINTS = 512, 1 << 14
 #: Within a part, the mean and the largest change of the coordinate of what follows from it.
 MEAN, MOST = 0.01, 0.1
 
+#: Name of the axis of the index inside a coat relative to air.
+INSIDE = "inside"
+
 #: Name of the axis of wavelengths, of the wavelengths on it [nm], and start of the names of a
 #: bottom's parameters.
 WAVELENGTH, NANOMETRES, BOTTOM = "wavelength", "nm", "bottom."
 
 
 def varying_parameters(
-    coat: CoatTextures, bottom: "mi.BSDF", known: Sequence[Varying] | None = None
+    coat: CoatTextures,
+    bottom: "mi.BSDF",
+    known: Sequence[Varying] | None = None,
+    relative: bool = False,
 ) -> list[Varying]:
     """The parameters of a coat and a bottom that vary or carry gradients.
 
-    known: those of a bottom that has codes over axes; None: they are read.
+    known: those of a bottom that has codes over axes; None: they are read. relative: whether the
+    bottom depends on the index inside the coat, which is a parameter where `eta` does not tell it.
     """
     if known is None:
         below = _of_bottom(bottom, coat.where) + _numbers_of_bottom(bottom)
     else:
         below = [x._replace(axis=x.axis._replace(name=_below(x.axis.name))) for x in known]
+    if relative and all(coat.changing_indices):
+        below += _index_inside(coat)
     return list({x.axis.name: x for x in (*_of_coat(coat), *below)}.values())
 
 
@@ -123,6 +132,22 @@ def _of_coat(coat: CoatTextures) -> list[Varying]:
         axis = Axis(name, scale, *ends, coloured)
         found += _varying(axis, whole if gradient else None, read, own)
     return found
+
+
+def _index_inside(coat: CoatTextures) -> list[Varying]:
+    """The index inside a coat relative to air, if it varies or carries gradients."""
+    texture = coat.textures.get("int_ior")
+    own = [] if texture is None else [texture]
+    gradient = is_attached(coat.opaque_eta) or any(map(has_gradients, own))
+
+    def read(si, active) -> list:
+        return [coat.inside(si, active)]
+
+    with dr.suspend_grad():
+        now = float(read(spectrum.points(spectrum.MIDDLE), True)[0].numpy()[0])
+    whole = ABOVE if now >= 1 else BELOW
+    axis = Axis(INSIDE, LINEAR, *range_of(read, own, whole, False))
+    return _varying(axis, whole if gradient else None, read, own)
 
 
 def _resolved(scale: str, ends: tuple[float, float]) -> tuple[float, float]:
