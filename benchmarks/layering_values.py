@@ -48,7 +48,7 @@ def directions() -> tuple[Pairs, np.ndarray]:
 def described(stack: Stack) -> dict[str, Any]:
     """A stack as JSON has it."""
     own: dict[str, Any] = {"coats": [asdict(coat) for coat in stack.coats]}
-    own["bottom"] = {"type": type(stack.bottom).__name__} | asdict(stack.bottom)  # type: ignore
+    own["bottom"] = {"type": type(stack.bottom).__name__} | asdict(stack.bottom)
     for part in (*own["coats"], own["bottom"]):
         for name in [k for k, value in part.items() if value is None or value is False]:
             del part[name]

@@ -23,7 +23,7 @@ from urushi.openpbr_surface.plugins.materialx import check_supported
 def outcomes(path: Path, uv_plane: bool) -> list[tuple[str, str]]:
     """For each material of a document: "read", "rendered" or "refused", and why not more."""
     try:
-        names = [node.getName() for node in materials(read_document(path))]
+        names = [node.getName() for node in materials(read_document(path))[0]]
     except UrushiError as error:
         return [("refused", str(error))]
     found = []

@@ -32,7 +32,8 @@ def merged(meshes: list[Mesh]) -> Mesh:
     first = np.cumsum([0] + [len(mesh.positions) for mesh in meshes[:-1]])
     faces = [mesh.faces + n for mesh, n in zip(meshes, first, strict=True)]
     parts = [[getattr(mesh, name) for mesh in meshes] for name in ("positions", "normals", "uv")]
-    return Mesh(*map(np.concatenate, parts), np.concatenate(faces).astype(np.int32))
+    positions, normals, uv = map(np.concatenate, parts)
+    return Mesh(positions, normals, uv, np.concatenate(faces).astype(np.int32))
 
 
 def moved(mesh: Mesh, axes: npt.ArrayLike, origin: npt.ArrayLike = (0, 0, 0)) -> Mesh:

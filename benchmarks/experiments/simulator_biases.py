@@ -21,6 +21,7 @@ from benchmarks.measures import in_plane
 from benchmarks.showing import figure, interval, rounded, table
 
 import urushi
+from urushi.core.error_metrics import energy_weight
 from urushi.walk import interface, walk
 from urushi.walk.exits import ExitPaths
 from urushi.walk.interface import flip
@@ -149,7 +150,7 @@ def table2(walks: int) -> Found:
             values[name], _ = samples.walk_all(stored.table, wi, wo, walks, SEED)
     reference = values.pop("right")
     error = partial(brdf_errors.stack_error, cos_i=wi[..., 2], cos_o=wo[..., 2])
-    weight = samples.error_metrics.energy_weight(wi[..., 2], wo[..., 2])
+    weight = energy_weight(wi[..., 2], wo[..., 2])
     found: Found = {"noise": rounded(error(reference, stored.f[part]))}
     for name, f in values.items():
         change = (weight * (f - reference)).sum(1) / (weight * reference).sum(1)

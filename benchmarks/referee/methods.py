@@ -177,8 +177,8 @@ def over_metal(plugin: str) -> dict[str, Any]:
     """The timed stack by a plugin of coats."""
     plugins.register()
     coat, bottom = TIMED.coats[0], TIMED.bottom
-    metal = {"type": "roughconductor", "distribution": "ggx", "alpha": bottom.alpha}  # type: ignore
-    indices = {"int_ior": float(coat.eta), "ext_ior": 1.0}  # type: ignore[arg-type]
+    metal = {"type": "roughconductor", "distribution": "ggx", "alpha": bottom.alpha}
+    indices = {"int_ior": float(coat.eta), "ext_ior": 1.0}
     return {"type": plugin, "alpha": coat.alpha, **indices, "bottom": metal}
 
 
@@ -200,7 +200,7 @@ def of_walk(mapped: Callable[[Stack], Stack], fault: Any, plugin: str | None = N
 
         return f
 
-    return Method(build, plugin and partial(over_metal, plugin))  # type: ignore[arg-type]
+    return Method(build, plugin and partial(over_metal, plugin))
 
 
 #: Urushi's material of a stack, by light transport.
@@ -276,7 +276,7 @@ METHODS: dict[str, Method] = {
     "adobe/openpbr-bsdf": Method(program),
     "MaterialX 1.39, OpenPBR's graph": of_recipe("materialx"),
     "OpenPBR 1.1.1, the text": of_recipe("specification"),
-    "Cycles' Principled": Method(lambda *_: None, None, in_blender),  # type: ignore
+    "Cycles' Principled": Method(lambda *_: None, None, in_blender),
     "Mitsuba's `principled`": of_bsdf(principled),
     "Mitsuba's `roughplastic`": of_bsdf(roughplastic, PAINT),
 }

@@ -144,17 +144,26 @@ class _Reader:
             raise FileError(f"cannot read the MaterialX file '{file}': {reason}") from error
 
 
-def find_material(document: Document, name: str | None = None) -> Any:
-    """The node of a material, also inside of a node graph, or of a surface shader.
+def materials(document: Document) -> tuple[list[Any], list[Any]]:
+    """The nodes of materials, also inside of node graphs, and the surface shaders beside them.
 
-    name: None: the document's only material, or its only shader if it has no material.
+    Shaders are materials if the document has no other.
     """
-    where, root = document.where, document.root
+    root = document.root
     graphs = (graph for graph in root.getNodeGraphs() if not graph.getNodeDefString())
     nodes = [node for scope in (root, *graphs) for node in scope.getNodes()]
     every = [node for node in nodes if node.getAttribute("type") == "surfaceshader"]
     shaders = [node for node in every if node.getParent() == root]
-    choices = [x for x in nodes if x.getCategory() == "surfacematerial"] or shaders or every
+    named = [node for node in nodes if node.getCategory() == "surfacematerial"]
+    return named or shaders or every, shaders
+
+
+def find_material(document: Document, name: str | None = None) -> Any:
+    """The node of a material or of a surface shader (`materials`).
+
+    name: None: the document's only material, or its only shader if it has no material.
+    """
+    where, (choices, shaders) = document.where, materials(document)
     if not choices:
         raise FileError(
             f"{where} has no material; it needs a surfacematerial or a node of type surfaceshader"
