@@ -117,6 +117,10 @@ VARNISHES = {
         lambda mi: {"base": {"type": "principled", "base_color": VERTICES, "roughness": 0.4}},
         {"bottom.base_color"},
     ),
+    "vertex colours of a dye": (
+        lambda mi: {"color": VERTICES, "base": {"type": "diffuse", "reflectance": 0.8}},
+        {"sigma_t"},
+    ),
     "a brushed metal": (
         lambda mi: {"alpha": 0.35, "sigma_t": strip(0.1, 2.0), "base": brushed(noise(mi, 1))},
         {"sigma_t", "bottom.base_color"},
@@ -147,7 +151,7 @@ def check(mi, coat: dict, rtol: float, u=None, shape=None, walk: dict | None = N
 def test_albedos_agree_with_the_walk(rgb, name):
     """Within 1 %: the walk's noise is half of it."""
     described, axes = VARNISHES[name]
-    mesh = square(rgb) if name == "vertex colours" else None  # lives as long as its points
+    mesh = square(rgb) if name.startswith("vertex") else None  # lives as long as its points
     bsdf = check(rgb, described(rgb), 0.01, shape=mesh)
     assert {axis.name for axis in bsdf.latents.baked.axes} == axes
 

@@ -117,6 +117,8 @@ def _of_coat(coat: CoatTextures) -> list[Varying]:
         scale, sources = COAT[name]
         if name in PHYSICAL and "color" in coat.textures:
             sources = *sources, "g"
+            if name == "albedo" and _is_dye(coat.textures["body"]):
+                continue
         own = [coat.textures[x] for x in sources if x in coat.textures]
         indices = coat.indices if name == "eta" else ()
         gradient = any(map(has_gradients, own)) or any(map(is_attached, indices))
@@ -132,6 +134,15 @@ def _of_coat(coat: CoatTextures) -> list[Varying]:
         axis = Axis(name, scale, *ends, coloured)
         found += _varying(axis, whole if gradient else None, read, own)
     return found
+
+
+def _is_dye(body: "mi.Texture") -> bool:
+    """Whether a medium of this body only absorbs, whatever its colour is."""
+    if varying_textures(body) or has_gradients(body):
+        return False
+    si = spectrum.points(spectrum.MIDDLE)
+    values = spectrum.at_bands(si, lambda: spectrum.to_channels(body.eval(si)))
+    return not any(x.numpy().any() for x in values)
 
 
 def _index_inside(coat: CoatTextures) -> list[Varying]:
