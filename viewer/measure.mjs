@@ -72,7 +72,7 @@ for (let run = 0; run < RUNS; run++) {
   );
   const add = page.getByRole("button", { name: "Add coat" });
   for (let tries = 0; tries < COATS && (await add.isEnabled()); tries++) await add.click();
-  const slider = page.getByRole("slider", { name: `Coat ${COATS}, Roughness α` });
+  const slider = page.getByRole("slider", { name: `Coat ${COATS}, Gloss` });
   await slider.focus();
   // Steps follow each other as when the slider is dragged.
   const steps = await slider.evaluate(async (element, count) => {
@@ -81,7 +81,7 @@ for (let run = 0; run < RUNS; run++) {
     for (let step = 0; step <= count; step++) {
       const start = performance.now();
       window.tables.length = window.pictures.length = 0;
-      element.value = String(Number(element.value) + 5);
+      element.value = String(Number(element.value) - 5);
       element.dispatchEvent(new Event("input", { bubbles: true }));
       const drawn = () => window.pictures.find((at) => at > window.tables[0]);
       while (drawn() === undefined) await wait(1);
