@@ -230,7 +230,8 @@ def rows_of(
     nested = nested_latents(layer.below, model)
     if isinstance(nested, AxisLatents):
         return NestedRows(nested)
-    # The index of conductors is relative to the coat's, which `eta` tells if none above changes.
+    # A conductor depends on the index inside the coat. That index follows from `eta`, unless the
+    # index above the coat changes too: then it is a parameter of its own.
     relative = nested is None and layer.relative
     index = INDEX if relative and layer.coat.changing_indices == (True, False) else INSIDE
     own = [x for x in varying if x.axis.name.startswith(BOTTOM) or x.axis.name == index]
