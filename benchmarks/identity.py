@@ -32,7 +32,7 @@ from gallery import stage
 import urushi
 from urushi.files import atomic_write, read_tensors
 from urushi.nets.weights import DEFAULT, default_model
-from urushi.textures.packing import KIND
+from urushi.textures.store import KIND
 from urushi.train import training as loop
 
 #: Textures by name: texels along a side, channels, and their range.

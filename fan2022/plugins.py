@@ -16,13 +16,13 @@ from fan2022.texels import CodeTexture, choose, different_rows
 from urushi.errors import ParameterError, PlatformError
 from urushi.mitsuba.properties import path_of, switch_of
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.known import check_nodes, varying_textures
+from urushi.mitsuba.reading.grid import check_nodes, varying_textures
 from urushi.mitsuba.reading.nested import check_bottom, nested_bsdf
 from urushi.mitsuba.reading.parameters import COAT_PROPERTIES, CoatTextures
 from urushi.mitsuba.reading.ranges import check_coat
 from urushi.mitsuba.register import PluginSet
 from urushi.mitsuba.surface import Surface, surface_of
-from urushi.textures.packing import ONE_TEXEL, TexelGrid
+from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 #: Texels whose bottom is evaluated at once: bounds memory.
 TEXELS = 1 << 10

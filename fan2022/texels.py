@@ -19,9 +19,9 @@ from fan2022.networks import PaperNetworks
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.over_axes import drawn_texel
-from urushi.mitsuba.reading.known import not_over_uv, varying_textures
+from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
 from urushi.mitsuba.recording import only_where, owned
-from urushi.textures.packing import ONE_TEXEL, TexelGrid
+from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 RECORDED = (
     "networks of Fan et al. 2022 are recorded in one kernel with the whole path, which takes "

@@ -23,7 +23,7 @@ import urushi
 from urushi.core import direction_sets
 from urushi.files import read_tensors
 from urushi.nets.weights import default_model
-from urushi.textures.packing import KIND
+from urushi.textures.store import KIND
 
 #: The plugins of methods, and `principled`; weights stand for `neural_layered`.
 PLUGINS = {PRINCIPLED: PRINCIPLED, **known.PLUGINS}

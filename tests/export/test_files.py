@@ -13,7 +13,7 @@ from urushi.export.program import codes_text
 from urushi.export.rest import TextureForm, basis_texture
 from urushi.nets import weights
 from urushi.textures import gpu
-from urushi.textures.packing import TexelGrid, write_texture
+from urushi.textures.store import TexelGrid, write_texture
 
 #: The types of texels by the numbers of their formats, RGBA8 and RGBA16F, in both kinds of files.
 DDS_TYPES, KTX2_TYPES = {28: np.uint8, 10: np.float16}, {37: np.uint8, 97: np.float16}

@@ -10,7 +10,7 @@ from tests.export.test_shaders import TABLE_TOLERANCE, basis_of
 from urushi.errors import ParameterError
 from urushi.export.program import codes_text
 from urushi.textures import gpu as texture_files
-from urushi.textures.packing import TexelGrid
+from urushi.textures.store import TexelGrid
 
 WIDTH, HEIGHT = 8, 4
 

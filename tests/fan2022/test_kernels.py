@@ -12,7 +12,7 @@ from tests.mitsuba import probes
 import urushi
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.mitsuba.reading import probing
-from urushi.textures.packing import TexelGrid
+from urushi.textures.store import TexelGrid
 
 
 @pytest.fixture(scope="module")

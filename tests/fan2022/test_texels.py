@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.errors import ParameterError
-from urushi.textures.packing import ONE_TEXEL, TexelGrid
+from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 
 def test_the_grid_resolves_all_textures_over_uv(rgb):

@@ -11,7 +11,8 @@ from urushi.core.microfacet import of_widths
 from urushi.core.quadrature import directional_albedos
 from urushi.core.table import MIN_LOG, SHAPE
 from urushi.material.coated_values import coated_f
-from urushi.material.reflector import Reflector, Substrate
+from urushi.material.reflector import Reflector
+from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 
 

@@ -5,7 +5,8 @@ import pytest
 
 from urushi.core.namespace import NUMPY
 from urushi.textures import axes, baking
-from urushi.textures.axes import Axis, interpolant, points
+from urushi.textures.axes import Axis
+from urushi.textures.interpolation import interpolant, points
 
 
 @pytest.mark.parametrize(

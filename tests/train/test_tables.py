@@ -8,7 +8,8 @@ from urushi.core.probe_pairs import probe_pairs
 from urushi.core.table import MIN_LOG, SHAPE
 from urushi.errors import FileError
 from urushi.material.coated_values import coated_f
-from urushi.material.reflector import Reflector, Substrate
+from urushi.material.reflector import Reflector
+from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets.transmittance import both_ways
 from urushi.train import distribution, tables

@@ -91,7 +91,7 @@ class Export:
         from urushi.export.rest import basis_texture
         from urushi.nets.weights import find
         from urushi.textures import gpu
-        from urushi.textures.packing import read_texture
+        from urushi.textures.store import read_texture
 
         texels = codes = None
         if self.material is None:

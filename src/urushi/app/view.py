@@ -131,7 +131,7 @@ def _first_texture(path: Path, name: str, weights: str | None) -> "First":
     """The texture of codes of a file, of the weights that the page has."""
     from urushi.app.page_files import First
     from urushi.nets.weights import find
-    from urushi.textures.packing import read_texture
+    from urushi.textures.store import read_texture
 
     read_texture(path, find(weights))  # refuses textures that the page could not read
     texture = path.read_bytes()

@@ -26,7 +26,7 @@ from urushi.core.table import (
 from urushi.material import adding, energy
 from urushi.material.coated_values import HALF, NARROW, WIDE, coated_values, passed_twice
 from urushi.material.material import Material
-from urushi.material.reflector import Substrate, of_material
+from urushi.material.substrate import Substrate, of_material
 from urushi.nets import lobe as lobes
 from urushi.nets.transmittance import both_ways
 

@@ -34,7 +34,8 @@ from urushi.core.table import SHAPE, known_pairs
 from urushi.material import adding, adding_quadrant
 from urushi.material.crossing import GENERATORS, LEAST_COSINE, cross, crossing_at, kept
 from urushi.material.material import Material
-from urushi.material.reflector import Reflector, Substrate, of_material, parts_of
+from urushi.material.reflector import Reflector
+from urushi.material.substrate import Substrate, of_material, parts_of
 from urushi.nets import lobe as lobes
 from urushi.nets.transmittance import both_ways
 

@@ -22,8 +22,8 @@ from urushi.core.lanes import Lane
 from urushi.core.namespace import DRJIT
 from urushi.material import adding
 from urushi.material.crossing import GENERATORS, cross, crossing_at, facet_points, in_plane
-from urushi.material.reflector import OnGrid
 from urushi.material.slab_shares import Layers
+from urushi.material.substrate import OnGrid
 
 #: Paths of straight light for each interface that is given.
 PATHS = 512

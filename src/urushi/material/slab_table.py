@@ -32,7 +32,7 @@ from urushi.core.table import (
 )
 from urushi.material import adding
 from urushi.material.coated_table import SLAB_POINTS, rest_at_nodes
-from urushi.material.reflector import OnGrid, Reflector, Substrate
+from urushi.material.reflector import Reflector
 from urushi.material.slab_coordinates import (
     Faces,
     Indices,
@@ -45,6 +45,7 @@ from urushi.material.slab_coordinates import (
 )
 from urushi.material.slab_light import transmitted
 from urushi.material.slab_shares import Layers, Shares, shares
+from urushi.material.substrate import OnGrid, Substrate
 from urushi.nets import lobe as lobes
 from urushi.walk import slabs
 

@@ -16,8 +16,9 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.measured.tabulated import MeasuredSurface
 from urushi.mitsuba.frames import Place, Turn
-from urushi.mitsuba.properties import ParameterSnapshot, check_names, describe
+from urushi.mitsuba.properties import check_names, describe
 from urushi.mitsuba.recording import Recorded, VertexCache, opaque, signature_of
+from urushi.mitsuba.snapshot import ParameterSnapshot
 
 #: Samples of the directional albedo for denoisers, at fixed points.
 ALBEDO_SAMPLES = 256

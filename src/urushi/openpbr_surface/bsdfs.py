@@ -15,7 +15,7 @@ from urushi.openpbr_surface import formulas, model
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import names_of
-from urushi.openpbr_surface.shares import COATS, Coating, coat_properties, load_part
+from urushi.openpbr_surface.parts import COATS, Coating, coat_properties, load_part
 
 #: Directions of light that has met several facets: one half evenly, the other by the cosine.
 SPREAD = Mixture([0.5, 0.5], [1.0])

@@ -15,7 +15,7 @@ from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import Turn
 from urushi.mitsuba.properties import describe
-from urushi.mitsuba.reading.known import varies
+from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.recording import Recorded
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter

@@ -14,19 +14,15 @@ from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import OF_COAT, SPREAD, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lost_light import AXES, LostLight
-from urushi.openpbr_surface.shares import (
+from urushi.openpbr_surface.parts import (
     COATS,
-    INDICES,
-    SHARES,
     Coating,
     absorption,
     coat_properties,
-    index2,
-    index_of,
     load_part,
-    tint_of,
     width_properties,
 )
+from urushi.openpbr_surface.shares import INDICES, SHARES, index2, index_of, tint_of
 from urushi.walk import interface
 
 #: Colours that are white where losses are measured.

@@ -16,11 +16,12 @@ import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.mitsuba.frames import above_surface, raised, with_far_side
-from urushi.mitsuba.properties import has_gradients
+from urushi.mitsuba.snapshot import has_gradients
 from urushi.mitsuba.surface import Surface, bsdf_of
 from urushi.openpbr_surface.bsdfs import OF_COAT, OpenPBRSurface, Part, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.shares import SHARES, Coating, index_of, opaque_share, shares
+from urushi.openpbr_surface.parts import Coating
+from urushi.openpbr_surface.shares import SHARES, index_of, opaque_share, shares
 from urushi.openpbr_surface.slabs import Slab
 from urushi.openpbr_surface.two_sided import Glass, Sheet, Unseen
 

@@ -1,8 +1,7 @@
-"""Axes: the parameters of a material that vary over a surface, places on them, and interpolation.
+"""Axes: the parameters of a material that vary over a surface, and places on them.
 
 A material has few parameters that vary. Each is an axis, with nodes over the range of the
 parameter. Codes are smooth along the axes, so that linear interpolation between nodes adds little.
-Few points of the unit cube are interpolated by radial functions.
 """
 
 import math
@@ -10,11 +9,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from urushi.core.namespace import Namespace
-from urushi.core.probe_pairs import even_points
-from urushi.parallel import fill_blocks
 
 #: Offset of a reflectance in its logarithm.
 DARK = 0.01
@@ -25,21 +21,6 @@ ALBEDO, INDEX = "albedo", "index"  # of single scattering; relative, above or be
 
 #: Three changes of a constant, one of which is zero, by which slopes are found.
 Changes = tuple[float, float, float]
-
-#: Steps between the values of a coordinate at `points`.
-LEVELS = 16
-
-#: Values that are interpolated at once: bounds memory.
-BLOCK = 2048
-
-#: Length of a coordinate at first, and its bounds, relative to the range of the coordinate.
-LENGTH, SHORTEST, LONGEST = 2.5, 0.1, 50.0
-
-#: Points by which lengths are chosen, and rounds of this choice.
-CHOOSING, ROUNDS = 160, 2
-
-#: Added to the diagonal: points may coincide.
-RIDGE = 1e-11
 
 
 class Axis(NamedTuple):
@@ -163,78 +144,3 @@ def simplex(
         node = node + step
         corners.append((node, ends[k] - ends[k + 1]))
     return corners
-
-
-def points(dimensions: int, count: int) -> np.ndarray:
-    """At most `count` points (n, d) of the unit cube: its corners, and others that are denser near
-    its ends.
-
-    The others are `even_points`, at `LEVELS` + 1 values of each coordinate: what
-    depends on one parameter alone is computed once for each value.
-    """
-    corners = np.array(list(np.ndindex(*[2] * dimensions)), float)[: count // 2]
-    others = np.rint(even_points(count - len(corners), dimensions) * LEVELS) / LEVELS
-    return np.unique(np.concatenate([corners, 0.5 - 0.5 * np.cos(np.pi * others)]), axis=0)
-
-
-def interpolant(
-    x: np.ndarray, values: np.ndarray, norm: np.ndarray
-) -> Callable[[np.ndarray], np.ndarray]:
-    """The function of points (n, d) that takes values (m, ..., K) at x (m, d).
-
-    It is a sum of multiquadrics (Hardy 1971) and a constant. Each coordinate has a length, over
-    which the function changes little. Lengths minimise the errors at points that are left out one
-    by one (Rippa 1999). Of points without coordinates, the function is a constant.
-
-    norm: (K, K) by which an error e of values has the size |e norm|.
-    """
-    if not x.shape[1]:
-        return lambda y: np.repeat(values, len(y), axis=0)
-    some = np.random.default_rng(0).permutation(len(x))[:CHOOSING]
-    scale = 1 / _lengths(x[some].astype(np.float64), (values[some] @ norm).reshape(len(some), -1))
-    x, given = x * scale, values.reshape(len(x), -1)
-    weights = np.linalg.solve(_system(x), np.pad(given, [(0, 1), (0, 0)]))
-
-    def at(y: np.ndarray) -> np.ndarray:
-        return _multiquadrics(y * scale, x) @ weights[:-1] + weights[-1]
-
-    def found(y: np.ndarray) -> np.ndarray:
-        result = np.empty((len(y), given.shape[1]), values.dtype)
-        fill_blocks(result, at, y, rows=BLOCK)
-        return result.reshape(len(y), *values.shape[1:])
-
-    return found
-
-
-def _lengths(x: np.ndarray, values: np.ndarray) -> NDArray[np.float64]:
-    """The length (d,) of each coordinate of points x (m, d) with values (m, k)."""
-    ranges = np.maximum(np.ptp(x, axis=0), 1e-9)
-
-    def error(lengths: np.ndarray) -> float:
-        """The mean square of the errors at points that are left out."""
-        inverse = np.linalg.inv(_system(x / (lengths * ranges)))[:-1, :-1]
-        return float(np.square(inverse @ values / np.diag(inverse)[:, None]).mean())
-
-    lengths = np.full(x.shape[1], LENGTH)
-    least = error(lengths)
-    for axis, factor in [(a, f) for a in range(x.shape[1]) for f in (0.5, 2.0)] * ROUNDS:
-        while True:
-            other = lengths.copy()
-            other[axis] *= factor
-            if not SHORTEST < other[axis] < LONGEST or (now := error(other)) >= least:
-                break
-            lengths, least = other, now
-    return lengths * ranges
-
-
-def _system(x: np.ndarray) -> np.ndarray:
-    """The equations (m + 1, m + 1) of the weights at points (m, d), and of a constant."""
-    system = np.pad(_multiquadrics(x, x) + RIDGE * np.eye(len(x)), (0, 1), constant_values=1.0)
-    system[-1, -1] = 0
-    return system
-
-
-def _multiquadrics(y: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Minus sqrt(1 + r^2) (n, m) of the distances r of points y (n, d) from points x (m, d)."""
-    squares = np.square(y).sum(axis=1)[:, None] - 2 * y @ x.T + np.square(x).sum(axis=1)
-    return -np.sqrt(1 + np.maximum(squares, 0))

@@ -19,8 +19,9 @@ from urushi.material.energy import MARGIN, limit_albedo, nearest_below
 from urushi.nets import lobe as lobes
 from urushi.nets import transmittance
 from urushi.nets.weights import Model
-from urushi.textures.axes import LINEAR, Axis, Changes, interpolant, nearest, points, simplex
-from urushi.textures.packing import TexelGrid
+from urushi.textures.axes import LINEAR, Axis, Changes, nearest, simplex
+from urushi.textures.interpolation import interpolant, points
+from urushi.textures.store import TexelGrid
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes
 #: much longer.

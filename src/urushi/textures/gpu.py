@@ -14,7 +14,8 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.export.statements import Texels
-from urushi.textures.packing import TexelGrid, Texture
+from urushi.textures.packing import Texture
+from urushi.textures.store import TexelGrid
 
 
 class Image(NamedTuple):

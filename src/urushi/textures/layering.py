@@ -14,12 +14,13 @@ from urushi.material.coated_values import coated_values
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import absent, check_ratios, codes_of_rests, predicted, with_widths
 from urushi.material.material import Material
-from urushi.material.reflector import Reflector, Substrate
+from urushi.material.reflector import Reflector
+from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets.features import coat_features
 from urushi.nets.layerer import bottom_rest
 from urushi.nets.weights import Model
-from urushi.textures.axes import interpolant
+from urushi.textures.interpolation import interpolant
 
 #: Rows by light transport, by the number of GGX widths: a second.
 TRANSPORTED = {1: 384, 2: 12}

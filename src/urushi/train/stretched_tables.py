@@ -20,7 +20,8 @@ from urushi.core.probe_pairs import ANISOTROPIC_PROBES, pair_measure, probe_pair
 from urushi.core.stretched import stretched
 from urushi.material.coated_values import coated_g
 from urushi.material.material import Material
-from urushi.material.reflector import Reflector, Substrate
+from urushi.material.reflector import Reflector
+from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.code_fit import log_stretch

@@ -32,7 +32,8 @@ from urushi.core.table import (
 )
 from urushi.errors import FileError
 from urushi.material.coated_values import coated_g
-from urushi.material.reflector import Reflector, Substrate
+from urushi.material.reflector import Reflector
+from urushi.material.substrate import Substrate
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
 from urushi.nets.transmittance import remainder

@@ -18,7 +18,7 @@ from urushi.nets import transmittance
 from urushi.nets.basis import decode
 from urushi.nets.weights import Model, default_model
 from urushi.textures.baking import Baked
-from urushi.textures.packing import TexelGrid
+from urushi.textures.store import TexelGrid
 
 #: alpha, normal, grazing, exact, eta, k; one for each kind of code that is recorded.
 LOBES = {

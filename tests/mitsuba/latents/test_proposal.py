@@ -35,7 +35,8 @@ def compare(mi, mixture, model, code, atol):
 
 
 def proposals(model, code):
-    from urushi.mitsuba.latents.lobe import CodeProposals, kind_of
+    from urushi.mitsuba.latents.lobe import kind_of
+    from urushi.mitsuba.latents.proposal import CodeProposals
 
     return CodeProposals(model, kind_of(code[None, : model.arch.lobe]))
 

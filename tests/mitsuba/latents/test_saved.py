@@ -14,7 +14,7 @@ from urushi import files
 from urushi.errors import UrushiWarning
 from urushi.mitsuba.reading import probing
 from urushi.nets import weights
-from urushi.textures.packing import TexelGrid
+from urushi.textures.store import TexelGrid
 
 PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (5, 6, 3)).astype(np.float32)
 

@@ -26,7 +26,8 @@ from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corner_steps
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents import lobe
-from urushi.mitsuba.latents.lobe import ANY_LOBE, NO_LOBE, CodeProposals, LobeKind, kind_of
+from urushi.mitsuba.latents.lobe import ANY_LOBE, NO_LOBE, LobeKind, kind_of
+from urushi.mitsuba.latents.proposal import CodeProposals
 from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.tables import Numbers, stored, tabulated
 from urushi.nets.networks import Networks

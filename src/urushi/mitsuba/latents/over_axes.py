@@ -18,7 +18,8 @@ import numpy as np
 from urushi.core.namespace import DRJIT, NUMPY
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.codes import BasisDecoder, EvaluatedCodes, Vertex
-from urushi.mitsuba.latents.lobe import CodeProposals, kind_of
+from urushi.mitsuba.latents.lobe import kind_of
+from urushi.mitsuba.latents.proposal import CodeProposals
 from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.tables import Numbers
 from urushi.nets import lobe as lobes
@@ -26,8 +27,8 @@ from urushi.nets import proposal, transmittance
 from urushi.nets.weights import Model
 from urushi.textures.axes import LINEAR, Axis, Varying, nearest, simplex, whole_numbers
 from urushi.textures.baking import FAINT, Baked
-from urushi.textures.packing import TexelGrid
 from urushi.textures.principal import projection_of
+from urushi.textures.store import TexelGrid
 
 #: Largest change of a number of a code along its slopes that is represented.
 REACH = 0.3

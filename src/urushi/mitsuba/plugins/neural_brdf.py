@@ -17,7 +17,7 @@ from urushi.mitsuba.recording import opaque, owned
 from urushi.mitsuba.surface import KnownSurface, Surface
 from urushi.nets.weights import Model
 from urushi.textures.baking import Baked
-from urushi.textures.packing import KIND, read_texture, write_texture
+from urushi.textures.store import KIND, read_texture, write_texture
 
 
 class EncodedSurface(Surface):

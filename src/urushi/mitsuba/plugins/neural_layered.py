@@ -9,16 +9,18 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.latents.over_axes import AxisLatents
-from urushi.mitsuba.plugins.coated import Coated, Compensation
+from urushi.mitsuba.plugins.coated import Coated
+from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.neural_brdf import EncodedSurface
 from urushi.mitsuba.properties import read_weights
-from urushi.mitsuba.reading.bottoms import Layer, has_two_widths
+from urushi.mitsuba.reading.bottoms import Layer
+from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.changed import relative_to
 from urushi.mitsuba.reading.layer_codes import Baker, at_texels
 from urushi.mitsuba.reading.nested import check_bottom, check_rotation
 from urushi.mitsuba.surface import KnownSurface, surface_of
 from urushi.nets.weights import Model, anisotropic_model, default_model
-from urushi.textures.packing import write_texture
+from urushi.textures.store import write_texture
 
 #: Greatest number of texels per side: the words of larger textures cannot be indexed by 32 bits.
 LARGEST_RESOLUTION = 8192

@@ -22,9 +22,10 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.plugins.coated import CoatedSurface
 from urushi.mitsuba.plugins.stack import CoatStack, width
-from urushi.mitsuba.properties import has_gradients, ignore
-from urushi.mitsuba.reading.known import varies
+from urushi.mitsuba.properties import ignore
+from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.recording import only_where, opaque, owned
+from urushi.mitsuba.snapshot import has_gradients
 from urushi.mitsuba.tables import Interpolated, interpolated, padded, stored, tabulated
 from urushi.walk import interface
 

@@ -19,18 +19,19 @@ from urushi.material.layer import layer_material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.latents.over_axes import AxisLatents, texel_axes
-from urushi.mitsuba.properties import has_gradients, writable
 from urushi.mitsuba.reading.bottoms import Layer, bottom_material, nested_latents, probed_codes
 from urushi.mitsuba.reading.coated_rows import CoatedRows
-from urushi.mitsuba.reading.known import check_nodes, not_over_uv, varying_textures
+from urushi.mitsuba.reading.grid import check_nodes, not_over_uv, varying_textures
 from urushi.mitsuba.reading.ranges import check_coat
 from urushi.mitsuba.reading.rows import rows_of
 from urushi.mitsuba.reading.varying import agree, joined, varying_parameters
+from urushi.mitsuba.snapshot import has_gradients, writable
 from urushi.nets.weights import Model
 from urushi.textures.axes import Varying
 from urushi.textures.baking import AXES, Baked, bake
 from urushi.textures.layering import layer_rows
-from urushi.textures.packing import ONE_TEXEL, TexelGrid, Texture
+from urushi.textures.packing import Texture
+from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 #: Texels per side of what is no bitmap, the least and the largest side that is chosen, and texels
 #: that are read at once.

@@ -15,9 +15,10 @@ from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import Turn
-from urushi.mitsuba.properties import describe, has_gradients, is_attached, switch_of
-from urushi.mitsuba.reading.known import varies, varying_textures
+from urushi.mitsuba.properties import describe, switch_of
+from urushi.mitsuba.reading.grid import varies, varying_textures
 from urushi.mitsuba.recording import Recorded, opaque
+from urushi.mitsuba.snapshot import has_gradients, is_attached
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
 #: by two properties of its own.

@@ -8,9 +8,9 @@ import numpy as np
 from urushi.checks import MIN_ALPHA
 from urushi.core.appearance import LOOK, PHYSICAL
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.known import ELSEWHERE, varying_textures
+from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
 from urushi.mitsuba.reading.parameters import CHECKS, CoatTextures
-from urushi.textures.packing import from_texture
+from urushi.textures.store import from_texture
 
 #: Textures of indices of refraction.
 INDICES = ("int_ior", "ext_ior")

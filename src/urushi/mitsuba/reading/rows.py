@@ -14,7 +14,8 @@ import numpy as np
 
 from urushi.core.table import SHAPE
 from urushi.material.material import Material
-from urushi.material.reflector import Reflector, Substrate, of_material
+from urushi.material.reflector import Reflector
+from urushi.material.substrate import Substrate, of_material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.over_axes import AxisLatents, without_faint
 from urushi.mitsuba.reading import probing
@@ -25,8 +26,10 @@ from urushi.mitsuba.reading.bottoms import (
     probed_codes,
     probed_tables,
 )
-from urushi.mitsuba.reading.changed import derived, relative_to, replaced
-from urushi.mitsuba.reading.known import known_surface, not_over_uv
+from urushi.mitsuba.reading.changed import relative_to, replaced
+from urushi.mitsuba.reading.grid import not_over_uv
+from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.textures import derived
 from urushi.mitsuba.reading.varying import BOTTOM, INSIDE, NANOMETRES, WAVELENGTH
 from urushi.nets.weights import Model
 from urushi.textures.axes import Varying

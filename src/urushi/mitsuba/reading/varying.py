@@ -17,11 +17,11 @@ from urushi.core.appearance import LOOK, PHYSICAL
 from urushi.core.namespace import NUMPY
 from urushi.material.layer import DEEPEST, WIDEST
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.properties import has_gradients, is_attached, writable
 from urushi.mitsuba.reading.changed import numbers_of
-from urushi.mitsuba.reading.known import parts, varying_textures
+from urushi.mitsuba.reading.grid import parts, varying_textures
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.ranges import INDICES, elsewhere, range_of, texel_centres
+from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
 from urushi.textures.axes import (
     ALBEDO,
     DEPTH,

@@ -7,8 +7,8 @@ import mitsuba as mi
 
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.properties import ParameterSnapshot
 from urushi.mitsuba.recording import signature_of
+from urushi.mitsuba.snapshot import ParameterSnapshot
 from urushi.mitsuba.tables import InterfaceAlbedo
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import Inputs
