@@ -5,7 +5,7 @@ scatters light once; light that meets a second facet is lost. L(w) is the share 
 surface loses over a white base (`core.anisotropic_albedos.surface_loss`). The lobe
 C L(wi) L(wo) / (pi L_mean) gives it back (Kulla and Conty 2017). C is the colour of coat and
 bottom. A mirror loses less than a Lambertian base: its light leaves the coat as steeply as it
-entered. The plugins have the same lobe (`mitsuba.plugins.coated`).
+entered. The plugins have the same lobe (`mitsuba.plugins.compensation`).
 """
 
 import functools
