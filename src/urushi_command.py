@@ -54,18 +54,23 @@ def _watch(finished: threading.Event) -> None:
 
 
 def _interrupt() -> NoReturn:
-    newline = "\n" if sys.stderr.isatty() else ""  # after a progress bar
-    print(f"{newline}urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
-    _end()
+    try:
+        if sys.stderr.isatty():
+            print(file=sys.stderr)  # after a progress bar
+        print("urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
+    finally:
+        _end()
 
 
 def _end() -> NoReturn:
     """End the process at once, without temporary files and half-printed lines."""
-    if "urushi.files" in sys.modules:
-        sys.modules["urushi.files"].remove_temporary_files()
-    for stream in (sys.stdout, sys.stderr):
-        stream.flush()
-    os._exit(INTERRUPTED)
+    try:
+        if "urushi.files" in sys.modules:
+            sys.modules["urushi.files"].remove_temporary_files()
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+    finally:  # also if a stream is closed, or its disk is full
+        os._exit(INTERRUPTED)
 
 
 if __name__ == "__main__":

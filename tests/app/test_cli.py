@@ -5,11 +5,15 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
 import urushi
 from urushi.app import cli
+
+#: A device that is always full, on Linux.
+FULL = Path("/dev/full")
 
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
@@ -114,3 +118,38 @@ def test_a_closed_output_pipe_ends_the_command_silently():
         run.stdout.close()
         assert run.stderr.read() == ""
         assert run.wait(timeout=120) == cli.OUTPUT_CLOSED
+
+
+@pytest.mark.skipif(not FULL.exists(), reason="needs a device that is full")
+@pytest.mark.parametrize("argument", ["materials", "--help"])
+def test_a_full_disk_under_standard_output_is_one_sentence(argument):
+    command = [sys.executable, "-m", "urushi_command", argument]
+    with FULL.open("w") as full:
+        run = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert run.returncode == cli.FAILURE
+    assert run.stderr.startswith("urushi: cannot write to standard output: No space left")
+    assert run.stderr.count("\n") == 1
+
+
+def test_a_command_without_standard_output_prints_nothing(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "stdout", None)  # as Python sets it for `>&-` in a shell
+    assert cli.main(["materials"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_ctrl_c_ends_a_command_whose_standard_output_is_closed():
+    with process(
+        "import time, urushi_command",
+        "from urushi.app.doctor import Doctor",
+        "sys.argv[1:] = ['doctor']",
+        "def wait(self):",
+        "    print('ready', file=sys.stderr, flush=True)",
+        "    sys.stdout = None",
+        "    time.sleep(60)",
+        "Doctor.run = wait",
+        "sys.exit(urushi_command.main())",
+    ) as run:
+        assert run.stderr.readline() == "ready\n"
+        run.send_signal(signal.SIGINT)
+        assert run.wait(timeout=120) == 130
+        assert "Traceback" not in run.stderr.read()

@@ -92,31 +92,44 @@ def main(
     standard output has closed it, as `head` does.
     """
     arguments = list(sys.argv[1:] if args is None else args)
-    if arguments == ["--version"]:
-        print(urushi.__version__)
-        return 0
     try:
-        command = parse(arguments, commands, prog, description)
-        ranges.check(command)
-        with warnings.catch_warnings():
-            warnings.simplefilter("default", UrushiWarning)
-            warnings.showwarning = functools.partial(_show, warnings.showwarning)
-            code = command.run()
-        sys.stdout.flush()
-        return code
+        try:
+            return _run(arguments, commands, prog, description)
+        finally:  # also after the help, which exits
+            print(end="", flush=True)  # to nowhere if there is no standard output
     except UrushiError as error:
         print(f"urushi: {error}", file=sys.stderr)
         return FAILURE
     except KeyboardInterrupt:
         print("urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
         return INTERRUPTED
-    except BrokenPipeError:
+    except OSError as error:
         try:
-            print(flush=True)  # is it standard output that is closed?
-        except BrokenPipeError:
+            print(flush=True)  # is it standard output that fails?
+        except OSError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the rest of it
-            return OUTPUT_CLOSED
+            if isinstance(error, BrokenPipeError):
+                return OUTPUT_CLOSED
+            print(
+                f"urushi: cannot write to standard output: {error.strerror}; free some space or "
+                "send it elsewhere",
+                file=sys.stderr,
+            )
+            return FAILURE
         raise
+
+
+def _run(arguments: Sequence[str], commands: Commands, prog: str, description: str) -> int:
+    """Run the command of the arguments, and show its warnings; returns the exit code."""
+    if list(arguments) == ["--version"]:
+        print(urushi.__version__)
+        return 0
+    command = parse(arguments, commands, prog, description)
+    ranges.check(command)
+    with warnings.catch_warnings():
+        warnings.simplefilter("default", UrushiWarning)
+        warnings.showwarning = functools.partial(_show, warnings.showwarning)
+        return command.run()
 
 
 def _show(others: Callable[..., None], message: Any, category: type, *place: Any) -> None:
