@@ -7,6 +7,7 @@ from tests.openpbr_surface.materialx.conftest import element, write_image
 from tests.openpbr_surface.materialx.test_nodes import UV
 
 from urushi.errors import FileError
+from urushi.openpbr_surface.materialx import baking
 from urushi.openpbr_surface.materialx.images import sample
 from urushi.openpbr_surface.materialx.surface import read_surface
 from urushi.openpbr_surface.plugins.materialx import mitsuba_value
@@ -127,6 +128,14 @@ def test_combinations_are_computed_on_a_grid(textured, other, resolution, side):
     """As large as the images, or as asked for."""
     body = IMAGE + other + element("multiply", "color3", in1=("color3", "@i"), in2=("color3", "@r"))
     assert textured(body, resolution).pixels.shape == (side, side, 3)
+
+
+def test_grids_are_computed_in_parts_of_any_size(textured, monkeypatch):
+    """The last part of 65^2 points, of 64 at once, is one point."""
+    body = IMAGE + RAMP + element("multiply", "color3", in1=("color3", "@i"), in2=("color3", "@r"))
+    whole = textured(body, 65).pixels
+    monkeypatch.setattr(baking, "MEMORY", 0)
+    assert np.array_equal(textured(body, 65).pixels, whole)
 
 
 def test_patterns_in_space_need_a_plane(textured):

@@ -7,7 +7,12 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import FileError
-from urushi.openpbr_surface.materialx.evaluation import PROBES, Evaluation, NeedsPosition
+from urushi.openpbr_surface.materialx.evaluation import (
+    CORNERS,
+    PROBES,
+    Evaluation,
+    NeedsPosition,
+)
 from urushi.openpbr_surface.materialx.graph import Graph
 
 #: Bytes that the values of all nodes may take at once.
@@ -105,8 +110,8 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> Texture:
 
 def _few(graph: Graph) -> Evaluation:
     """An evaluation at three corners and random points."""
-    random = np.random.default_rng(0).random((PROBES - 3, 2))
-    return Evaluation(graph, np.concatenate([[[0, 0], [1, 0], [0, 1]], random]))
+    random = np.random.default_rng(0).random((PROBES - len(CORNERS), 2))
+    return Evaluation(graph, np.concatenate([CORNERS, random]))
 
 
 @np.errstate(all="ignore")

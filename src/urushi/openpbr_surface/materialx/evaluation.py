@@ -18,6 +18,9 @@ from urushi.openpbr_surface.materialx.shaders import FILM_UNITS
 #: Number of points at which a graph is evaluated first, to find the images that it depends on.
 PROBES = 64
 
+#: Texture coordinates of the first of them, by which affine maps are found.
+CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+
 #: Largest number of nodes that are evaluated for one parameter, with the nodes inside of others.
 MAX_NODES = 2048
 
@@ -222,7 +225,9 @@ def parse_value(text: str, kind: str, where: str) -> np.ndarray:
 
 
 def _affine(uv: np.ndarray, image_uv: np.ndarray) -> tuple[tuple[float, ...], ...] | None:
-    """The affine map between two sets of points; uv begins with (0, 0), (1, 0), (0, 1)."""
+    """The affine map between two sets of points; None if uv does not begin with `CORNERS`."""
+    if not np.array_equal(uv[:3], CORNERS):
+        return None
     origin = image_uv[0]
     columns = np.stack([image_uv[1] - origin, image_uv[2] - origin, origin], axis=1)
     expected = uv @ columns[:, :2].T + origin
