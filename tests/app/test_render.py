@@ -122,7 +122,7 @@ def test_a_terminal_shows_the_progress(scene, monkeypatch):
     assert "4/4" in sys.stderr.getvalue()
 
 
-@pytest.mark.parametrize("suffix", [".png", ".jpg"])
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".PNG"])
 def test_lights_of_thousands_of_nits_are_white(suffix, scene):
     path = scene.with_suffix(suffix)
     assert cli.main(["render", str(scene), "-D", "grey=10000", "-o", str(path)]) == 0
@@ -191,6 +191,7 @@ def test_errors_name_the_file_once_with_the_line_and_without_a_traceback(
     ("arguments", "sentence"),
     [
         (["tea-pot"], "there is no scene 'tea-pot'; give a scene file or 'caddy'"),
+        (["."], "there is no scene '.'; give a scene file or 'caddy'"),
         (["caddy", "-D", "coat=foo"], "cannot load 'caddy': neither Mitsuba nor Urushi has a plu"),
         (["caddy", "-D", "spp=x"], "cannot load 'caddy': could not parse integer value \"x\""),
     ],

@@ -82,12 +82,6 @@ class Render:
             key, equals, definitions[key] = pair.partition("=")
             if not (key and equals):
                 raise ParameterError(f"-D '{pair}' is not of the form key=value")
-        target = self.output or Path(self.scene).with_suffix(".exr")
-        check_picture(target)
-        set_variant(self.mode)
-        import drjit as dr
-        import mitsuba as mi
-
         path, name = Path(self.scene), None
         if not (path.is_file() or path.suffix):
             if self.scene != DEMO_SCENE.parent.name:
@@ -95,6 +89,12 @@ class Render:
                     f"there is no scene '{self.scene}'; give a scene file or 'caddy'"
                 )
             path, name = DEMO_SCENE, self.scene
+        target = self.output or Path(self.scene).with_suffix(".exr")
+        check_picture(target)
+        set_variant(self.mode)
+        import drjit as dr
+        import mitsuba as mi
+
         size = {"width": self.width, "height": self.height}
         scene = load_scene(
             path, definitions, self.append, weights=self.weights, size=size, name=name
@@ -116,10 +116,12 @@ class Render:
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
         finally:
             dr.set_thread_count(before)
-        if target.suffix.lower() != ".exr":
+        in_bytes = target.suffix.lower() != ".exr"
+        if in_bytes:
             image = np.minimum(image, 1)  # Mitsuba's conversion to bytes turns thousands into black
+        bitmap = mi.util.convert_to_bitmap(image.astype(np.float32), in_bytes)
         with atomic_write(target) as temporary:
-            mi.util.write_bitmap(str(temporary), image.astype(np.float32), write_async=False)
+            bitmap.write(str(temporary))
         print(target)
         return 0
 
