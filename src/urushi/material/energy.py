@@ -1,8 +1,8 @@
-"""Conservation of energy: codes whose directional albedo is too high are made darker.
+"""Albedos of codes: no code gains energy, and a code of a known source has its albedo.
 
 Albedos are measured at the directions of `albedo_rule`. A code's lobe (`urushi.nets.lobe`) is
 exact and conserves energy, so that only the rest is changed. A code that was fitted to values is
-replaced by the nearest code below the ceiling of the albedo (`nearest_below`): at grazing angles,
+replaced by the nearest code whose albedo is within bounds (`nearest_within`): at grazing angles,
 where there are no probes, it may be far too bright although it is right elsewhere. Codes of the
 layering network, and codes that are still too bright, are scaled down (`limit_albedo`).
 """
@@ -22,14 +22,14 @@ from urushi.parallel import fill_blocks
 #: Error of the quadrature in the albedo: the ceiling is 1 less this.
 MARGIN = 0.0005
 
-#: Excess of a code's albedo over its source's albedo that is allowed; with `MARGIN`, 0.5 %.
+#: Difference of a code's albedo from its source's albedo that is not corrected.
 SLACK = 0.003
 
 #: Sources with albedos up to 1 plus this count as conserving energy: the excess is numerical.
 TOLERANCE = 0.005
 
-#: Cosine of wi (84 degrees) below which the source's albedo is no ceiling: errors of codes in
-#: the last few degrees would darken all other directions.
+#: Cosine of wi (84 degrees) below which the source's albedo does not count: errors of codes in
+#: the last few degrees would change all other directions.
 GRAZING = 0.1
 
 #: Least albedo in a division.
@@ -57,8 +57,9 @@ ROUGH_GAIN = 0.003
 #: see would change without bound.
 PLAUSIBLE = 0.3
 
-#: Weights of the excess of ln albedo beside the error of the code, one round after the other.
-EXCESS_WEIGHTS = 0.25, 1.0, 4.0, 16.0, 64.0, 256.0
+#: Weights of the difference of ln albedo from its bounds beside the error of the code, one round
+#: after the other.
+ALBEDO_WEIGHTS = 0.25, 1.0, 4.0, 16.0, 64.0, 256.0
 
 
 def lobe_albedos(lobe: np.ndarray) -> np.ndarray:
@@ -100,39 +101,50 @@ def node_functions(model: Model) -> basis.Functions:
     return model.networks.basis.functions_at(rule.wi, rule.wo)
 
 
-def albedo_ceiling(own: np.ndarray, rule: AlbedoRule) -> np.ndarray:
-    """Largest albedos (..., K) allowed for a code whose source has the albedos own (..., K).
+def albedo_bounds(own: np.ndarray, rule: AlbedoRule) -> tuple[np.ndarray, np.ndarray]:
+    """Largest and least albedos (..., K) of a code whose source has the albedos own (..., K).
 
-    None is above 1 - `MARGIN`, or the source's largest albedo if the source gains energy.
+    They are within `SLACK` of the source's, and above `GRAZING` only. None is above 1 - `MARGIN`,
+    or the source's largest albedo if the source gains energy.
     """
     peak = own.max(axis=-1, keepdims=True)
     top = np.where(peak > 1 + TOLERANCE, peak, 1 - MARGIN)
-    return np.where(rule.directions[:, 2] < GRAZING, top, np.minimum(own + SLACK, top))
+    grazing = rule.directions[:, 2] < GRAZING
+    most = np.where(grazing, top, np.minimum(own + SLACK, top))
+    return most, np.where(grazing, 0, np.minimum(own - SLACK, most))
 
 
-def nearest_below(
-    model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
+def nearest_within(
+    model: Model,
+    z: np.ndarray,
+    most: np.ndarray | float = 1 - MARGIN,
+    least: np.ndarray | float = 0.0,
 ) -> np.ndarray:
-    """The nearest codes float32 (..., L) whose directional albedo is nowhere above a ceiling.
+    """The nearest codes float32 (..., L) whose directional albedo is within bounds.
 
-    Distances are those of the least squares of `nets.code_fit`. The arguments are those of
-    `limit_albedo`, which scales down what remains above the ceiling.
+    Distances are those of the least squares of `nets.code_fit`. The bounds are not kept exactly,
+    but no albedo is above the largest bound: such codes are scaled down. `most` is the ceiling of
+    `limit_albedo`, `least` is of the same shapes.
     """
-    rows, ceiling = _rows(model, z, ceiling)
-    over = np.flatnonzero(excesses(model, rows, ceiling) > 1)
-    if not len(over):
+    rows, most = _rows(model, z, most)
+    off = excesses(model, rows, most) > 1
+    if np.any(least):
+        least = _rows(model, z, least)[1] - lobe_albedos(rows[:, : model.arch.lobe])
+        off |= (rest_albedos(model, rows) < least).any(axis=1)
+    if not off.any():
         return z
-    rows = np.array(rows)
-    for row, allowed in zip(over, _allowed(model, rows[over], ceiling[over]), strict=True):
-        rows[row] = _fitted_below(model, rows[row], allowed)
-    return limit_albedo(model, rows, ceiling).reshape(z.shape)
+    rows, least = np.array(rows), np.broadcast_to(least, most.shape)
+    for row in np.flatnonzero(off):
+        allowed = _allowed(model, rows[row, None], most[row, None])[0]
+        rows[row] = _fitted_within(model, rows[row], np.minimum(least[row], allowed), allowed)
+    return limit_albedo(model, rows, most.max(axis=1, keepdims=True)).reshape(z.shape)
 
 
-def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarray:
-    """The code (L,) near z (L,) whose rest has about the allowed albedos (K,) at most.
+def _fitted_within(model: Model, z: np.ndarray, least: np.ndarray, most: np.ndarray) -> np.ndarray:
+    """The code (L,) near z (L,) whose rest has about an albedo within the bounds (K,).
 
     Least squares of the change at the probe pairs, and of the logarithm of the albedo where it is
-    above the allowed one, by Gauss and Newton's method.
+    out of bounds, by Gauss and Newton's method.
     """
     rule, own = albedo_rule(model.arch.widths), model.networks.basis
     result = z.copy()
@@ -145,17 +157,17 @@ def _fitted_below(model: Model, z: np.ndarray, allowed: np.ndarray) -> np.ndarra
     start = code = numbers.astype(float)
     form = code_fit.form_about(at_probes, own.measure * seen, own.prior, start[None])[0]
     form += PLAUSIBLE * own.prior
-    best, least = code, np.inf
-    for weight in (*EXCESS_WEIGHTS, 0.0):
+    best, smallest = code, np.inf
+    for weight in (*ALBEDO_WEIGHTS, 0.0):
         f = passed * basis.decode(code, nodes)
         albedo = np.maximum(rule.albedo(f), LEAST_ALBEDO)
-        above = albedo > allowed
-        excess = np.log(albedo[above] / allowed[above])
-        error = (code - start) @ form @ (code - start) + EXCESS_WEIGHTS[-1] * excess @ excess
-        if error < least:
-            best, least = code, error
-        slopes = rule.albedo(f * nodes[:, 1:].T).T[above] / albedo[above, None]
-        right = weight * slopes.T @ (slopes @ (code - start) - excess)
+        off = np.log(albedo / np.clip(albedo, least, most))
+        error = (code - start) @ form @ (code - start) + ALBEDO_WEIGHTS[-1] * off @ off
+        if error < smallest:
+            best, smallest = code, error
+        at = off != 0
+        slopes = rule.albedo(f * nodes[:, 1:].T).T[at] / albedo[at, None]
+        right = weight * slopes.T @ (slopes @ (code - start) - off[at])
         code = start + np.linalg.solve(form + weight * slopes.T @ slopes, right)
     numbers[...] = best
     return result

@@ -22,7 +22,7 @@ from urushi.core.table import node_pairs, table_of_values
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material.coated_table import coated_table
 from urushi.material.coated_values import coated_f
-from urushi.material.energy import limit_albedo, nearest_below
+from urushi.material.energy import limit_albedo, nearest_within
 from urushi.material.material import Coating, Material
 from urushi.material.source import as_source
 from urushi.material.symmetry import Deviations, deviations_of
@@ -184,7 +184,7 @@ def stacked(stack: Stack, model: Model) -> Material | None:
     compensated = stack.coats[0].energy_compensation
     if compensated and model.widths == 2:
         return None
-    material = encode_source(stack.bottom, model, below=True)[0]
+    material = encode_source(stack.bottom, model)[0]
     for coat in reversed(stack.coats):
         compensates = compensated and coat is stack.coats[0]
         coating = Coating(coat.parameters, coat.ior is not None, material, compensated=compensates)
@@ -253,7 +253,7 @@ def codes_of_rests(
     lobe = lobes.of_coat(coat.alpha, coat.eta).astype(np.float32)
     lobe = np.broadcast_to(lobe, (*rest.shape[:-1], model.arch.lobe))
     f = rest + lobes.f(lobe[..., None, :], *model.networks.pairs())
-    codes = nearest_below(model, model.networks.encode(f, lobe))
+    codes = nearest_within(model, model.networks.encode(f, lobe))
     return np.where(absent(coat)[..., None], z, codes)
 
 
@@ -286,7 +286,7 @@ def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:
                 )
             weights = anisotropic_model()
     if not isinstance(bottom, Material) or weights is not None:
-        bottom, deviations = encoded(bottom, weights, below=True)
+        bottom, deviations = encoded(bottom, weights)
         warn_of(deviations, "layer: the bottom")
     if anisotropic and bottom.rotation % 180 != 0:
         raise ParameterError(
@@ -298,9 +298,9 @@ def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:
 
 
 def encoded(
-    source: Any, weights: Weights | None = None, table: bool | None = None, below: bool = False
+    source: Any, weights: Weights | None = None, table: bool | None = None
 ) -> tuple[Material, Deviations | None]:
-    """`encode` without its warnings; below: whether the material is the bottom of a coat.
+    """`encode` without its warnings.
 
     Returns:
         The material, and the deviations of the source, if it is not a Material of these weights.
@@ -310,7 +310,7 @@ def encoded(
         return source, None
     material = stacked(source, model) if isinstance(source, Stack) else None
     if material is None:
-        return encode_source(source, model, table=table, below=below)
+        return encode_source(source, model, table=table)
     return material, deviations_of(as_source(source), widths=model.widths)
 
 

@@ -48,14 +48,10 @@ def encode_source(
     *,
     table: bool | None = None,
     name: str | None = None,
-    below: bool = False,
 ) -> tuple[Material, Deviations]:
     """`encode` without its warnings.
 
     name: begins errors; by default the name of the source's type.
-    below: whether the material is the bottom of a coat. Of two widths, its albedo has no limit
-        then: transport limits albedos itself, and a code that is at every angle below its source
-        would lose light again at each reflection between bottom and coat.
 
     Returns:
         The material, and the source's deviations.
@@ -66,12 +62,12 @@ def encode_source(
         channels = 3 if len(lobe) == 1 else len(lobe)
         material = material_of_lobes(opened.lobe, model, channels)
         return material, deviations_of(opened, widths=model.widths)
-    limited = not below or model.widths == 1
-    pairs = required_pairs(source, model, table) if limited else model.networks.pairs()
-    found = evaluate_source(source, *pairs, name, widths=model.widths)
+    found = evaluate_source(
+        source, *required_pairs(source, model, table), name, widths=model.widths
+    )
     count = len(required_pairs(None, model, table=False)[0])
     values, at_table = found.values[:count], found.values[count:]
-    material = material_from_values(values, model, lobe=found.lobe, limited=limited)
+    material = material_from_values(values, model, lobe=found.lobe)
     if len(at_table):
         beside = found.lobe is not None  # a known lobe is finer than any table
         lobe = material.latents[:, : model.arch.lobe]
@@ -92,8 +88,8 @@ def required_pairs(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of directions (N, 3) at which a source has to be known to be encoded.
 
-    These are the probe pairs, and the nodes of `albedo_rule`, for the albedo of the
-    source, which limits the material's albedo. A Stack is not simulated at the nodes: its albedo is
+    These are the probe pairs, and the nodes of `albedo_rule`, for the albedo of the source, which
+    the material shall have. A Stack is not simulated at the nodes: its albedo is
     at most 1. For a table, `table.node_pairs` follow, and a Stack has the nodes too.
 
     source: as of `encode`.
@@ -147,33 +143,30 @@ def _with_widths(source: Source, widths: int) -> Source:
 
 
 def material_from_values(
-    values: np.ndarray, model: Model, *, lobe: np.ndarray | None = None, limited: bool = True
+    values: np.ndarray, model: Model, *, lobe: np.ndarray | None = None
 ) -> Material:
     """The material of values (N, C) at `required_pairs`, or at `model.networks.pairs()` alone.
 
-    Its directional albedo is at most the values' albedo, or at most 1 if the values at the nodes
-    are missing (see `urushi.material.energy`).
+    Its directional albedo is about the values' albedo, and at most 1, also if the values at the
+    nodes are missing (see `urushi.material.energy`).
 
     Args:
         values: (N, C) [1/sr].
         model: the basis.
         lobe: (N,) or (C, N) the channels' lobes; None: they are fitted to the values.
-        limited: whether its albedo has this limit.
     """
     pairs = len(model.networks.pairs()[0])
     probed, at_nodes = values[:pairs].T, values[pairs:].T
     lobe = fit_lobes(probed, model.widths) if lobe is None else np.asarray(lobe, np.float32)
     lobe = np.broadcast_to(lobe, (len(probed), lobe.shape[-1]))
     codes = model.networks.encode(probed, lobe)
-    if not limited:
-        return Material(codes, model)
-    ceiling = np.full((len(probed), 1), 1 - energy.MARGIN)
+    bounds: tuple[np.ndarray, ...] = ()
     if at_nodes.size:
         rule = albedo_rule(model.widths)
         rest = np.maximum(at_nodes - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)
         # The nodes are too few for the sharpest lobes, whose albedos are computed separately.
-        ceiling = energy.albedo_ceiling(rule.albedo(rest) + energy.lobe_albedos(lobe), rule)
-    return Material(energy.nearest_below(model, codes, ceiling), model)
+        bounds = energy.albedo_bounds(rule.albedo(rest) + energy.lobe_albedos(lobe), rule)
+    return Material(energy.nearest_within(model, codes, *bounds), model)
 
 
 def _checked(values: Any, name: str, count: int) -> np.ndarray:

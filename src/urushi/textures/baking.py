@@ -15,7 +15,7 @@ from urushi.checks import CoatParameters
 from urushi.core.namespace import Namespace
 from urushi.core.stretched import rounded
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.energy import MARGIN, limit_albedo, nearest_below
+from urushi.material.energy import MARGIN, limit_albedo, nearest_within
 from urushi.nets import lobe as lobes
 from urushi.nets import transmittance
 from urushi.nets.weights import Model
@@ -169,7 +169,7 @@ def bake(
 
     fitted = np.moveaxis(found(x, ())[:, :, 0], 0, 1)
     # A fit that is too bright at grazing angles would be scaled down at all others as well.
-    smooth = interpolant(x, np.moveaxis(limited(x, fitted, nearest_below), 0, 1), norm)
+    smooth = interpolant(x, np.moveaxis(limited(x, fitted, nearest_within), 0, 1), norm)
 
     def rests_at(x: np.ndarray) -> np.ndarray:
         """Rests (C, k, K) at coordinates (k, d)."""

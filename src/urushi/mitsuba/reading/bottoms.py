@@ -65,7 +65,7 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
     check_bottom(bottom, where)
     source = reflection_source(bottom)
     name = f"{where}: the nested BSDF"
-    material, deviations = encode_source(source, model, name=name, below=True)
+    material, deviations = encode_source(source, model, name=name)
     for sentence in deviations.warnings():
         mi.Log(mi.LogLevel.Warn, f"{where}: {sentence}")
     exact = known_surface(bottom).table_source() if model.widths == 1 else None
