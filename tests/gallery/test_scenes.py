@@ -102,7 +102,10 @@ def test_the_coat_is_a_parameter_of_the_file(mi, tmp_path):
 
 
 def test_the_coat_of_openpbr_is_a_parameter_of_the_file(mi, tmp_path):
-    """A hand-written name of the plugin in the place of the parameter gives the same picture."""
+    """A hand-written name of the plugin in the place of the parameter gives the same picture.
+
+    Threads add to a pixel in any order, so that the last bits differ.
+    """
     small = TINY | {"spp": 1, "width": 8, "height": 6}
     path = export.export(SCENES["glass"], tmp_path, Options(**small))
     text = path.read_text()
@@ -110,8 +113,8 @@ def test_the_coat_of_openpbr_is_a_parameter_of_the_file(mi, tmp_path):
     chosen = mi.render(load_scene(path, {"coat": "layered"}), seed=1).numpy()
     networks = mi.render(load_scene(path, {}), seed=1).numpy()
     path.write_text(text.replace('value="$coat"', 'value="layered"'))
-    assert np.array_equal(mi.render(load_scene(path, {}), seed=1).numpy(), chosen)
-    assert not np.array_equal(networks, chosen)
+    np.testing.assert_allclose(mi.render(load_scene(path, {}), seed=1), chosen, rtol=1e-5)
+    assert not np.allclose(networks, chosen, rtol=1e-3)
 
 
 def test_the_demos_scene_is_the_gallerys(mi, tmp_path):
