@@ -13,10 +13,11 @@ from urushi.core import quadrature
 from urushi.core.direction_sets import cosine_pairs
 from urushi.material import Material, encode, energy, layer
 from urushi.material.albedo_rule import albedo_rule
+from urushi.material.energy import code_albedos
 from urushi.material.layer import layer_material
 from urushi.material.values import evaluate_source, material_from_values, required_pairs
 from urushi.nets import lobe as lobes
-from urushi.nets.weights import Model, anisotropic_model, default_model
+from urushi.nets.weights import anisotropic_model, default_model
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 
@@ -26,11 +27,6 @@ WI = at_cosines(COSINES)
 
 #: Excess of the albedo of shipped codes between the rule's angles.
 BETWEEN = 0.004
-
-
-def code_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """Directional albedos (N, K) of codes (N, L) by the rule of the limit."""
-    return energy.rest_albedos(model, z) + energy.lobe_albedos(z[:, : model.arch.lobe])
 
 
 FRESNEL = {

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from tests.directions import pairs_above
 from tests.material.conftest import error
-from tests.material.test_energy import code_albedos
 
 from urushi.material import Material, encode, energy, lerp
+from urushi.material.energy import code_albedos
 from urushi.walk import analytic, coat, conductor, dielectric, diffuse
 
 BARE = (

@@ -94,6 +94,11 @@ def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     return result
 
 
+def code_albedos(model: Model, z: np.ndarray) -> np.ndarray:
+    """Directional albedos (N, K) of codes (N, L)."""
+    return rest_albedos(model, z) + lobe_albedos(z[:, : model.arch.lobe])
+
+
 @functools.lru_cache(maxsize=8)
 def node_functions(model: Model) -> basis.Functions:
     """The functions of the basis at the pairs of `albedo_rule`."""

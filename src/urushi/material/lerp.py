@@ -12,7 +12,9 @@ import numpy.typing as npt
 from urushi.core.microfacet import product
 from urushi.core.table import node_pairs
 from urushi.errors import ParameterError
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import encode
+from urushi.material.energy import albedo_bounds, code_albedos, nearest_within
 from urushi.material.material import Material
 from urushi.nets import lobe as lobes
 from urushi.nets.transmittance import table_beside
@@ -85,8 +87,10 @@ def _blend(a: Material, b: Material, share: np.ndarray) -> Material:
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return (1 - share) * a.f(wi, wo) + share * b.f(wi, wo)
 
-    codes = model.networks.encode(f(*model.networks.pairs()).T, lobe)
     at = share[:, None]
+    own = (1 - at) * code_albedos(model, a.latents) + at * code_albedos(model, b.latents)
+    codes = model.networks.encode(f(*model.networks.pairs()).T, lobe)
+    codes = nearest_within(model, codes, *albedo_bounds(own, albedo_rule(model.widths)))
     codes = np.where(at == 0, a.latents, np.where(at == 1, b.latents, codes))
     if model.widths == 2:
         return Material(codes, model)
