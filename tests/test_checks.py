@@ -55,10 +55,18 @@ def test_negative_zero_becomes_zero():
     assert not np.signbit(checks.g((-0.0, 0.0, -0.0))).any()
 
 
-@pytest.mark.parametrize("nonsense", ["rough", None, object(), [0.1, [0.2]]])
+NONSENSE = ["rough", None, object(), [0.1, [0.2]], 0.5j, np.full(3, 0.5 + 1j), 10**400]
+
+
+@pytest.mark.parametrize("nonsense", NONSENSE)
 def test_nonsense(nonsense):
+    for check in (checks.alpha, checks.thickness):
+        with pytest.raises(ParameterError):
+            check(nonsense, "it")
     with pytest.raises(ParameterError):
-        checks.alpha(nonsense)
+        checks.direction(nonsense, "wi")
+    with pytest.raises(ParameterError):
+        checks.uniform(nonsense, 1)
 
 
 def test_the_message_says_where():
@@ -86,6 +94,7 @@ def test_directions():
         ([0, 0, 1], r"shape \(3,\)"),
         ([[0, 1]], r"shape \(1, 2\)"),
         ("up", r"\(N, 3\)|shape"),
+        (np.array([[0, 0, 1 + 1j]]), r"must be an \(N, 3\) array"),
         ([[0, 0, 1], [0, 0, 1]], "wi has 2 directions and wo has 1"),
     ],
 )

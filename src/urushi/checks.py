@@ -84,6 +84,17 @@ COAT_COLUMNS = {1: CoatParameters._fields, 2: ("alpha_u", *CoatParameters._field
 DEFAULT_COAT = CoatParameters(0.1, GLASS / AIR, 0.0, 0.0, 0.0)
 
 
+#: What `real` raises for values that are no numbers, and for whole numbers that no float can hold.
+NO_NUMBERS = (TypeError, ValueError, OverflowError)
+
+
+def real(value: npt.ArrayLike, dtype: type) -> np.ndarray:
+    """Numbers as an array of a type; TypeError for complex ones, which NumPy would halve."""
+    if np.iscomplexobj(value):
+        raise TypeError("complex numbers")
+    return np.asarray(value, dtype)
+
+
 @dataclass(frozen=True)
 class Check:
     """A check that numbers are finite and lie between two ends."""
@@ -106,8 +117,8 @@ class Check:
         """
         where = where or self.name
         try:
-            array = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError) as error:
+            array = real(value, np.float64)
+        except NO_NUMBERS as error:
             raise ParameterError(
                 f"{where} must be a number or one number per RGB channel, not {value!r}"
             ) from error
@@ -224,16 +235,17 @@ def eta_in_air(
 
 def thickness(value: npt.ArrayLike, where: str, *, any_shape: bool = False) -> np.ndarray:
     """Check thicknesses of coats, zero or more: one number, () or of any shape."""
-    if not any_shape and np.ndim(value):
+    thick = nonnegative(value, where, any_shape=True)
+    if not any_shape and thick.ndim:
         raise ParameterError(f"{where} must be one number, which all channels share")
-    return nonnegative(value, where, any_shape=any_shape)
+    return thick
 
 
 def direction(value: npt.ArrayLike, where: str) -> np.ndarray:
     """Check unit vectors; returns float32 (N, 3). Directions below the horizon are valid."""
     try:
-        array = np.asarray(value, dtype=np.float32)
-    except (TypeError, ValueError) as error:
+        array = real(value, np.float32)
+    except NO_NUMBERS as error:
         raise ParameterError(f"{where} must be an (N, 3) array of unit vectors") from error
     if array.ndim != 2 or array.shape[1] != 3:
         raise ParameterError(f"{where} has shape {array.shape}; give unit vectors of shape (N, 3)")
@@ -279,8 +291,8 @@ def finite(**arrays: npt.ArrayLike) -> list[np.ndarray]:
 def uniform(u: npt.ArrayLike, count: int) -> np.ndarray:
     """Check random numbers of samples; returns float32 (count, 3), which is below one too."""
     try:
-        array = np.asarray(u, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        array = real(u, np.float64)
+    except NO_NUMBERS as error:
         raise ParameterError("u must be an (N, 3) array of numbers in [0, 1)") from error
     if array.shape != (count, 3):
         raise ParameterError(

@@ -133,6 +133,7 @@ def test_one_walk_for_all_channels_equals_a_walk_per_channel(rgb, coats: list[di
     assert np.median(se_color / f) < 0.04  # the comparison has enough samples
 
 
+UP = [[0.0, 0.0, 1.0]]
 STACK = coat(coat(conductor(0.2, (0.9, 0.6, 0.3)), 0.3, 1.3, 0.9, 1.0, 0.5), 0.1, 1.5, 0.5, 0.3)
 
 
@@ -144,6 +145,15 @@ def test_a_seed_gives_the_same_numbers_again_and_another_gives_others() -> None:
     )
     np.testing.assert_array_equal(first, again)
     assert np.all(first[0] != other[0])
+
+
+@pytest.mark.parametrize("seed", [np.int64(7), np.uint64(7), np.int8(7)])
+def test_integers_of_numpy_are_integers(seed: np.integer) -> None:
+    one, other = (
+        simulate(STACK, UP, UP, walks=n, seed=s, progress=False)
+        for n, s in ((100, 7), (np.int8(100), seed))
+    )
+    np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("lanes", [700, 3000, 1 << 13])

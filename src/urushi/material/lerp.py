@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from urushi import checks
 from urushi.core.microfacet import product
 from urushi.core.table import node_pairs
 from urushi.errors import ParameterError
@@ -58,11 +59,11 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
             "has one tangent; blend them before they are rotated"
         )
     try:
-        share = np.asarray(t, np.float32)
+        share = checks.real(t, np.float32)
         channels = np.broadcast_shapes((a.channels,), (b.channels,), share.shape)
-    except (TypeError, ValueError) as error:
+    except checks.NO_NUMBERS as error:
         raise ParameterError(
-            f"lerp's t ({np.shape(t)}) does not fit materials of {a.channels} and {b.channels} "
+            f"lerp's t does not fit materials of {a.channels} and {b.channels} "
             "channels; give a number or one per channel"
         ) from error
     if share.ndim > 1 or not ((share >= 0.0) & (share <= 1.0)).all():

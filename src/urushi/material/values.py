@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from urushi import checks
 from urushi.core.table import node_pairs, table_of_values
 from urushi.errors import ParameterError
 from urushi.material import energy
@@ -172,8 +173,8 @@ def material_from_values(
 def _checked(values: Any, name: str, count: int) -> np.ndarray:
     """Return the values at `count` pairs as float32 (N, C); name: begins errors."""
     try:
-        array = np.asarray(values, dtype=np.float32)
-    except (TypeError, ValueError) as error:
+        array = checks.real(values, np.float32)
+    except checks.NO_NUMBERS as error:
         raise ParameterError(
             f"{name} does not return an array of numbers; return f of shape (N, 3)"
         ) from error

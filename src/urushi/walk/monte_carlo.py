@@ -68,6 +68,7 @@ def average(
     for name, value in (("walks", walks), ("seed", seed)):
         if not isinstance(value, int | np.integer):
             raise ParameterError(f"{name} is {value!r}; give a whole number")
+    walks, seed = int(walks), int(seed)  # sums of NumPy's are cut to their bits
     if walks < 2:
         raise ParameterError(f"walks is {walks}; a standard error needs at least 2")
     device = backend()
