@@ -5,32 +5,19 @@ import xml.etree.ElementTree as ElementTree
 import mitsuba as mi
 import numpy as np
 import pytest
+from tests.openpbr_surface.materialx.conftest import HEAD, element
 
 import urushi
 from urushi.app.cli import main
 
-DOCUMENT = """<materialx version="1.39" colorspace="lin_rec709">
-<texcoord name="uv" type="vector2"/>
-<place2d name="p" type="vector2"><input name="texcoord" type="vector2" nodename="uv"/>
-<input name="rotate" type="float" value="30"/><input name="scale" type="vector2" value="0.5, 0.3"/>
-<input name="offset" type="vector2" value="0.1, 0.2"/></place2d>
-<image name="i" type="color3"><input name="file" type="filename" value="a.png"/>
-<input name="texcoord" type="vector2" nodename="p"/></image>
-<open_pbr_surface name="Paint" type="surfaceshader">
-<input name="base_color" type="color3" nodename="i"/>
-<input name="coat_color" type="color3" value="0.25, 0.5, 1"/>
-<input name="coat_weight" type="float" value="0.5"/></open_pbr_surface></materialx>"""
+
+def document(*nodes: str, space: str = "lin_rec709") -> str:
+    return HEAD.format(space=space, body="".join(nodes))
 
 
-def openpbr(**inputs: str | float) -> str:
-    """A document of a material; texts are colours in ACEScg."""
-    lines = (
-        f'<input name="{name}" type="{"color3" if isinstance(value, str) else "float"}" '
-        f'value="{value}"/>'
-        for name, value in inputs.items()
-    )
-    return f"""<materialx version="1.39" colorspace="acescg"><open_pbr_surface name="Made"
-        type="surfaceshader">{"".join(lines)}</open_pbr_surface></materialx>"""
+def openpbr(**inputs) -> str:
+    """A document of a material, whose colours are in ACEScg."""
+    return document(element("open_pbr_surface", "surfaceshader", "Made", **inputs), space="acescg")
 
 
 @pytest.fixture
@@ -45,6 +32,17 @@ def convert(tmp_path, capsys):
         return status, folder, capsys.readouterr()
 
     return run
+
+
+PLACE = dict(texcoord=("vector2", "@uv"), scale=("vector2", "0.5, 0.3"), rotate=30.0)
+PLACE |= dict(offset=("vector2", "0.1, 0.2"))
+PAINT = dict(base_color=("color3", "@i"), coat_color=(0.25, 0.5, 1), coat_weight=0.5)
+DOCUMENT = document(
+    element("texcoord", "vector2", "uv"),
+    element("place2d", "vector2", "p", **PLACE),
+    element("image", "color3", "i", file=("filename", "a.png"), texcoord=("vector2", "@p")),
+    element("open_pbr_surface", "surfaceshader", "Paint", **PAINT),
+)
 
 
 def values(texture):
@@ -78,8 +76,8 @@ def test_a_document_becomes_a_scene(convert, tmp_path, rgb):
 
 def test_light_and_medium_of_a_material(convert):
     """A warning is one sentence without a place in the code."""
-    wine = dict(transmission_weight=1, transmission_color="0.4, 0, 0", transmission_depth=0.5)
-    status, folder, printed = convert(openpbr(emission_luminance=20, coat_weight=0.5, **wine))
+    wine = dict(transmission_weight=1.0, transmission_color=(0.4, 0, 0), transmission_depth=0.5)
+    status, folder, printed = convert(openpbr(emission_luminance=20.0, coat_weight=0.5, **wine))
     assert status == 0
     assert printed.err.startswith("urushi: '") and printed.err.count("\n") == 1
     assert "'Made': transmission_color leaves [0, 1] in linear sRGB and is clipped" in printed.err
@@ -90,13 +88,12 @@ def test_light_and_medium_of_a_material(convert):
     assert sum(shape.interior_medium() is not None for shape in scene.shapes()) == 1
 
 
-SKIN = """<standard_surface name="{}" type="surfaceshader">
-    <input name="subsurface" type="float" value="1"/></standard_surface>"""
-MIXTURE = f"""<materialx version="1.39">{SKIN.format("A")}{SKIN.format("B")}
-    <mix name="Mix" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
-    <input name="bg" type="surfaceshader" nodename="A"/>
-    <input name="fg" type="surfaceshader" nodename="B"/></mix></materialx>"""
-GLASS = openpbr(transmission_weight=1, transmission_dispersion_scale=1)
+SKINS = dict(bg=("surfaceshader", "@A"), fg=("surfaceshader", "@B"), mix=0.5)
+MIXTURE = document(
+    *(element("standard_surface", "surfaceshader", x, subsurface=1.0) for x in "AB"),
+    element("mix", "surfaceshader", "Mix", **SKINS),
+)
+GLASS = openpbr(transmission_weight=1.0, transmission_dispersion_scale=1.0)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import pytest
 
@@ -14,31 +15,20 @@ from urushi.train import presets, tables, training
 
 
 def test_data_are_computed_or_completed(monkeypatch, tmp_path, capsys):
-    calls = []
-
-    def generate(spec, path, cluster):
-        calls.append((spec, path, cluster))
-        return SimpleNamespace(hash=lambda: "0123")
-
+    generate = Mock(return_value=SimpleNamespace(hash=lambda: "0123"))
     monkeypatch.setattr(tables, "generate", generate)
     assert cli.main(["data", "--preset", "smoke", "-o", str(tmp_path), "--cluster", "local:2"]) == 0
-    assert calls == [(presets.smoke().data, tmp_path, "local:2")]
+    generate.assert_called_once_with(presets.smoke().data, tmp_path, cluster="local:2")
     assert capsys.readouterr().out == f"{tmp_path}  0123\n"
 
 
 def test_train_passes_its_flags(monkeypatch, capsys):
-    calls = []
     model = SimpleNamespace(header={"metrics": {"E mean": 0.0123}}, fingerprint="0123456789ab")
-
-    def train(preset, **options):
-        calls.append(options | {"preset": preset})
-        return model
-
-    monkeypatch.setattr(training, "train", train)
+    monkeypatch.setattr(training, "train", train := Mock(return_value=model))
     flags = ["--preset", "smoke", "--data", "d", "--run-folder", "r", "-o", "w.safetensors"]
     assert cli.main(["train", *flags, "--cluster", "local:2", "--resume"]) == 0
     paths = {"data": Path("d"), "run": Path("r"), "out": Path("w.safetensors")}
-    assert calls == [paths | {"preset": "smoke", "resume": True, "cluster": "local:2"}]
+    train.assert_called_once_with("smoke", **paths, resume=True, cluster="local:2")
     assert capsys.readouterr().out == "E mean  0.0123\nfingerprint  0123456789ab\n"
 
 

@@ -6,13 +6,9 @@ import pytest
 import urushi
 from urushi import files
 from urushi.app import cli, simulate
+from urushi.app.describe import describe
 
 COATED = "coat(conductor(alpha=0.3, r0=(0.9, 0.6, 0.3)), alpha=0.2, eta=1.5, sigma_t=1, albedo=0.5)"
-
-
-def coated() -> urushi.Stack:
-    bottom = urushi.conductor(alpha=0.3, r0=(0.9, 0.6, 0.3))
-    return urushi.coat(bottom, alpha=0.2, eta=1.5, sigma_t=1, albedo=0.5)
 
 
 def test_angles_are_those_of_the_plane_of_incidence(tmp_path):
@@ -42,7 +38,7 @@ def test_saved_numbers_are_those_of_python(tmp_path):
     assert cli.main(["simulate", COATED, *flags]) == 0
     with np.load(file) as saved:
         arrays = dict(saved)
-    f, se = urushi.simulate(coated(), arrays["wi"], arrays["wo"], walks=512, seed=3)
+    f, se = urushi.simulate(describe(COATED), arrays["wi"], arrays["wo"], walks=512, seed=3)
     np.testing.assert_array_equal(arrays["f"], f)
     np.testing.assert_array_equal(arrays["se"], se)
     assert (f > 0).all()

@@ -22,15 +22,6 @@ NORMAL = BASE_COLOR.replace("base_color", "geometry_normal").replace("color3", "
 
 
 @pytest.fixture
-def llvm():
-    before = mi.variant()
-    mi.set_variant("llvm_ad_rgb")
-    yield
-    if before is not None:
-        mi.set_variant(before)
-
-
-@pytest.fixture
 def textured(document):
     """A function: the only parameter of a document, of the node `n`, which may read a.exr."""
 
@@ -53,7 +44,7 @@ def lookup(texture, uv):
 
 @pytest.mark.parametrize("mode", ["periodic", "clamp", "mirror", "repeat"])
 @pytest.mark.parametrize("blend", ["linear", "closest"])
-def test_an_image_keeps_its_texels_and_its_place(textured, llvm, mode, blend):
+def test_an_image_keeps_its_texels_and_its_place(textured, rgb, mode, blend):
     """Mitsuba's look-up in the texture is the graph's look-up in the image, at any uv.
 
     Single precision of uv moves look-ups by 1e-6 of a texel: nearest ones are compared where they
@@ -106,7 +97,7 @@ def test_tokens_of_file_names_are_replaced(textured):
     assert np.array_equal(textured(body).pixels, PIXELS)
 
 
-def test_a_pattern_is_computed_on_a_grid(textured, llvm):
+def test_a_pattern_is_computed_on_a_grid(textured, rgb):
     """A ramp between pixel centres is linear, so that the interpolated grid is exact there."""
     body = element("ramptb", "color3", valuet=(1, 0, 0), valueb=(0, 0, 1))
     texture = textured(body, 32)
@@ -179,7 +170,7 @@ def test_one_tile_of_a_pattern_is_an_image(document, token):
 
 
 @pytest.mark.parametrize("grid", [False, True])
-def test_tiles_are_parts_of_one_texture(document, llvm, grid):
+def test_tiles_are_parts_of_one_texture(document, rgb, grid):
     """Tiles of one colour each: by the texels of the files, and on a grid with another pattern.
 
     The texture has the resolution of the finest tile.

@@ -66,7 +66,9 @@ UV = element("texcoord", "vector2", "uv")
 AMOUNT = 'value="{}" unittype="angle" unit="{}"'
 #: rotate2d by a quarter turn, in a unit.
 QUARTER = UV + element("rotate2d", "vector2", in_=("vector2", "@uv"), amount=("float", AMOUNT))
-
+PLACE = {"pivot": ("vector2", "0.5, 0.5"), "scale": ("vector2", "2, 4")}
+PLACE |= {"rotate": 90.0, "offset": ("vector2", "0.1, 0.2")}
+FRAME = {"tangent": ("vector3", "@t"), "bitangent": ("vector3", "@b")}
 
 CASES = {
     "RGB to HSV and back": (
@@ -89,16 +91,7 @@ CASES = {
     ),
     "radians": (QUARTER.format("1.57079632679", "radian"), (V, -U)),
     "place2d: p -> R((p - pivot) / scale) - offset + pivot, R clockwise": (
-        UV
-        + element(
-            "place2d",
-            "vector2",
-            texcoord=("vector2", "@uv"),
-            pivot=("vector2", "0.5, 0.5"),
-            scale=("vector2", "2, 4"),
-            rotate=90.0,
-            offset=("vector2", "0.1, 0.2"),
-        ),
+        UV + element("place2d", "vector2", texcoord=("vector2", "@uv"), **PLACE),
         ((V - 0.5) / 4 - 0.1 + 0.5, -(U - 0.5) / 2 - 0.2 + 0.5),
     ),
     "a flat normal map keeps the normal": (
@@ -109,13 +102,7 @@ CASES = {
     "a normal map in a turned frame": (
         element("constant", "vector3", "t", value=("vector3", "0, 1, 0"))
         + element("constant", "vector3", "b", value=("vector3", "-1, 0, 0"))
-        + element(
-            "normalmap",
-            "vector3",
-            in_=VECTOR,
-            tangent=("vector3", "@t"),
-            bitangent=("vector3", "@b"),
-        ),
+        + element("normalmap", "vector3", in_=VECTOR, **FRAME),
         (-BENT[1], BENT[0], BENT[2]),
     ),
     "a value beside a coordinate": (  # editors write it; MaterialX reads the property

@@ -50,26 +50,14 @@ DERIVED = {
     "widths": lambda x: widths(x, "specular"),
 }
 
-AMBER, WHITE, BLUE = (0.5, 0.6, 0.7), (1.0, 1.0, 1.0), (0.1, 0.2, 0.3)
+AMBER, WHITE, BLUE, GOLD = (0.5, 0.6, 0.7), (1.0,) * 3, (0.1, 0.2, 0.3), (1.0, 0.5, 0.1)
 #: A dielectric of index 1.5 whose reflections have this tint does not bend light by another index.
 TINTED = dict(specular_ior=1.5, tint=(0.2, 0.1, 0.02))
 GLASS = dict(transmission=1.0, attenuation_distance=3.0)
-COATED = dict(
-    base=1.0,
-    base_color=(1.0, 0.78, 0.34),
-    specular=0.2,
-    coat=0.75,
-    coat_color=(0.9, 0.2, 0.1),
-    coat_roughness=0.05,
-)
+COLORS = dict(base_color=(1.0, 0.78, 0.34), coat_color=(0.9, 0.2, 0.1), coat_roughness=0.05)
+COATED = COLORS | dict(base=1.0, specular=0.2, coat=0.75)
 #: Below the coat's reflection, the graph multiplies any base by coat_color, once.
-LACQUER = dict(
-    base_color=(1.0, 0.78, 0.34),
-    coat_color=(0.9, 0.2, 0.1),
-    coat_weight=0.75,
-    coat_roughness=0.05,
-    coat_darkening=0,
-)
+LACQUER = COLORS | dict(coat_weight=0.75, coat_darkening=0)
 
 TRANSLATED = {
     "standard_surface": [
@@ -90,13 +78,10 @@ TRANSLATED = {
             | dict(widths=(0.5, 0.125)),
         ),
         (dict(transmission_dispersion=55.3), dict(transmission_dispersion_abbe_number=55.3)),
-        (
-            dict(subsurface=1.0, subsurface_anisotropy=0.5),
-            dict(subsurface_scatter_anisotropy=0.5),
-        ),
+        (dict(subsurface=1.0, subsurface_anisotropy=0.5), dict(subsurface_scatter_anisotropy=0.5)),
         # The translucent_bsdf of a leaf reflects nothing; OpenPBR's wall transmits (1 + g) / 2.
         (dict(subsurface=1.0, thin_walled=True), dict(subsurface_scatter_anisotropy=1)),
-        (dict(transmission=1.0, specular=0.2, specular_color=(1.0, 0.5, 0.1)), TINTED),
+        (dict(transmission=1.0, specular=0.2, specular_color=GOLD), TINTED),
     ],
     "gltf_pbr": [
         (
@@ -114,20 +99,14 @@ TRANSLATED = {
         (dict(alpha=0.3), dict(geometry_opacity=1)),  # alpha_mode is OPAQUE
         (dict(alpha=0.3, alpha_mode=1), dict(geometry_opacity=0)),
         (dict(alpha=0.3, alpha_mode=2), dict(geometry_opacity=0.3)),
-        (
-            dict(transmission=1.0, metallic=0.0, specular=0.2, specular_color=(1.0, 0.5, 0.1)),
-            TINTED,
-        ),
+        (dict(transmission=1.0, metallic=0.0, specular=0.2, specular_color=GOLD), TINTED),
         # KHR_materials_volume: base_color tints light that crosses the surface, the attenuation
         # what passes the inside; OpenPBR has both in one colour. No thickness is a thin wall.
         *(
             (
                 GLASS | dict(thickness=thickness, base_color=base, attenuation_color=inside),
-                dict(
-                    geometry_thin_walled=thickness == 0,
-                    transmission_color=color,
-                    transmission_depth=depth,
-                ),
+                dict(transmission_color=color, transmission_depth=depth)
+                | dict(geometry_thin_walled=thickness == 0),
             )
             for thickness, base, inside, color, depth in (
                 (0.0, BLUE, AMBER, BLUE, 0),
@@ -147,10 +126,7 @@ TRANSLATED = {
             dict(opacity=0.25, roughness=0.0, metallic=0.5),
             dict(transmission_weight=0.75, base_metalness=0.5),
         ),
-        (
-            dict(opacity=0.25, opacityThreshold=0.5),
-            dict(transmission_weight=0, geometry_opacity=0),
-        ),
+        (dict(opacity=0.25, opacityThreshold=0.5), dict(transmission_weight=0, geometry_opacity=0)),
         (
             dict(opacity=0.0, roughness=0.0, useSpecularWorkflow=1)
             | dict(specularColor=(0.008, 0.004, 0.0008)),
@@ -164,8 +140,7 @@ TRANSLATED = {
             dict(f0=(0.06,) * 3, widths=(0.5, 0.125), coat_roughness=0.1),
         ),
         (
-            dict(specTrans=1.0, roughness=0.0, specular=0.1, specularTint=1.0)
-            | dict(baseColor=(1.0, 0.5, 0.1)),
+            dict(specTrans=1.0, roughness=0.0, specular=0.1, specularTint=1.0, baseColor=GOLD),
             TINTED,
         ),
     ],
@@ -205,8 +180,7 @@ def test_the_edge_of_a_metal_is_that_of_its_index(r, edge):
     assert edge_tint(np.full(1, r), np.full(1, edge)) == approx(min(fresnel / schlick, 1), 1e-4)
 
 
-MASK = """<splitlr name="map" type="float"><input name="valuel" type="float" value="0"/>
-    <input name="valuer" type="float" value="1"/></splitlr>"""
+MASK = element("splitlr", "float", "map", valuel=0.0, valuer=1.0)
 
 
 @pytest.mark.parametrize(
@@ -227,7 +201,7 @@ def test_maps_of_transmission_and_thickness(values, given, thin):
 @pytest.mark.parametrize("given", [dict(specular="@map"), dict(metalness="@map", specular=0.2)])
 def test_a_body_has_one_index(values, given):
     """What lets light inside needs one index: a map of the strength of reflections tints them."""
-    found = values("standard_surface", MASK.replace('"0"', '"0.2"'), subsurface=1.0, **given)
+    found = values("standard_surface", MASK.replace('"0.0"', '"0.2"'), subsurface=1.0, **given)
     colors = found["specular_color"].pixels
     assert found["specular_weight"] == 1
     assert 0.2 <= colors.min() < colors.max() <= 1
@@ -296,23 +270,19 @@ def test_a_warning_says_what_is_lost(values, tag, kept, lost):
 @pytest.mark.parametrize(
     ("value", "unit"), [("500", "nanometer"), ("0.5", "micron"), ("5e-7", "meter")]
 )
-def test_the_thickness_of_a_film_has_a_unit(document, tag, name, value, unit):
+def test_the_thickness_of_a_film_has_a_unit(values, tag, name, value, unit):
     """OpenPBR's is in micrometres; wherever in the graph the number is."""
-    number = f'type="float" value="{value}" unit="{unit}" unittype="distance"'
-    node = f'<constant name="c" type="float"><input name="value" {number}/></constant>'
-    for given in (number, 'type="float" nodename="c"'):
-        shader = f'<{tag} name="s" type="surfaceshader"><input name="{name}" {given}/></{tag}>'
-        assert read_surface(document(node + shader)).values["thin_film_thickness"] == approx(0.5)
+    number = ("float", f'value="{value}" unit="{unit}" unittype="distance"')
+    node = element("constant", "float", "c", value=number)
+    for given in (number, "@c"):
+        assert values(tag, node, **{name: given})["thin_film_thickness"] == approx(0.5)
 
 
-def test_directions_that_are_not_set(document):
+def test_directions_that_are_not_set(values):
     """Editors write them as 0, 0, 0."""
-    directions = "".join(
-        f'<input name="{name}" type="vector3" value="0, 0, 0"/>'
-        for name in ("normal", "coat_normal", "tangent")
-    )
-    path = document(f'<standard_surface name="s">{directions}</standard_surface>')
-    assert not [name for name in read_surface(path).values if name.endswith("al")]
+    directions = dict.fromkeys(("normal", "coat_normal", "tangent"), ("vector3", "0, 0, 0"))
+    found = values("standard_surface", **directions)
+    assert not [name for name in found if name.endswith("al")]
 
 
 def test_an_abbe_number_as_a_scale_is_limited(values):
@@ -336,8 +306,6 @@ def test_a_document_may_bring_its_own_translation(values):
 
 def test_translations_of_materialx_are_nodes(values):
     """A document may use the library's translation of one shader to another as a node."""
-    node = """<standard_surface_to_gltf_pbr name="t" type="multioutput">
-        <input name="metalness" type="float" value="0.25"/></standard_surface_to_gltf_pbr>
-        <dot name="d" type="float"><input name="in" type="float" nodename="t"
-        output="metallic_out"/></dot>"""
+    node = element("standard_surface_to_gltf_pbr", "multioutput", "t", metalness=0.25)
+    node += element("dot", "float", "d", in_=("float", 'nodename="t" output="metallic_out"'))
     assert values("gltf_pbr", node, metallic="@d")["base_metalness"] == 0.25

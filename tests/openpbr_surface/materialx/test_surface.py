@@ -106,20 +106,19 @@ def test_names_belong_to_their_graph(document, body):
 
 def test_shaders_of_other_sides_are_named(document):
     """A displacement by nothing is not lost."""
-    displaced = """<displacement name="d" type="displacementshader">
-        <input name="displacement" type="float" value="0.1"/></displacement>
-        <standard_surface name="s" type="surfaceshader"/>
-        <surfacematerial name="m" type="material">
-        <input name="surfaceshader" type="surfaceshader" nodename="s"/>
-        <input name="{}" type="{}" nodename="{}"/></surfacematerial>"""
-    for given, part in (
-        (("displacementshader", "displacementshader", "d"), "displacement"),
-        (("backsurfaceshader", "surfaceshader", "s"), "back's shader"),
-    ):
-        with pytest.warns(UrushiWarning, match=f"its {part} is left out"):
-            read_surface(document(displaced.format(*given)))
-    flat = displaced.format("displacementshader", "displacementshader", "d").replace("0.1", "0")
-    read_surface(document(flat))
+
+    def read(height=0.1, **other):
+        body = element("displacement", "displacementshader", "d", displacement=height)
+        body += element("standard_surface", "surfaceshader", "s")
+        sides = {"surfaceshader": ("surfaceshader", "@s")} | other
+        read_surface(document(body + element("surfacematerial", "material", "m", **sides)))
+
+    displaced = {"displacementshader": ("displacementshader", "@d")}
+    with pytest.warns(UrushiWarning, match="its displacement is left out"):
+        read(**displaced)
+    with pytest.warns(UrushiWarning, match="its back's shader is left out"):
+        read(backsurfaceshader=("surfaceshader", "@s"))
+    read(height=0.0, **displaced)
 
 
 def test_an_old_document_is_upgraded(tmp_path):
