@@ -96,12 +96,12 @@ def errors_table(rows: Mapping[str, dict[str, Any]]) -> str:
         [indented(name), quantiles(row["E"]), quantiles(row["P"], ("median",))]
         for name, row in rows.items()
     ]
-    return table(["task of the networks", "E mean / median / p95", "P median"], cells)
+    return table(["task of the networks", "E [%]: mean / median / p95", "P: median"], cells)
 
 
 def quantiles(errors: dict[str, float], names: Iterable[str] = ("mean", "median", "p95")) -> str:
     """Some figures of `summary` in per cent."""
-    return " / ".join(f"{100 * errors[name]:.2f}" for name in names) + " %"
+    return " / ".join(f"{100 * errors[name]:.2f}" for name in names)
 
 
 def indented(name: str) -> str:

@@ -21,14 +21,12 @@ FIRST = (
 def tables(found: Found) -> list[str]:
     """Tables: the README's, with the laws that are broken; all errors; all laws."""
     rows, laws = found["all"]["rows"], found["all"]["laws"]
-    first = [
-        [indented(name), "E " + quantiles(rows[name]["E"], ("mean", "median"))] for name in FIRST
-    ]
+    first = [[indented(name), quantiles(rows[name]["E"], ("mean", "median"))] for name in FIRST]
     broken = [[f"broken law: {law['name']}", _limited(law)] for law in laws if law["kept"] is False]
     kept = {True: "yes", False: "no", None: ""}
     all_laws = [[indented(law["name"]), _limited(law), kept[law["kept"]]] for law in laws]
     return [
-        table(["codes on held-out stacks", "mean / median, or value"], first + broken),
+        table(["codes on held-out stacks", "E [%]: mean / median"], first + broken),
         errors_table(rows),
         table(["law", "value", "kept"], all_laws),
     ]

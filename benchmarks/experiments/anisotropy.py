@@ -142,6 +142,10 @@ def _bottom(table: StackTable, row: int) -> Material:
     return urushi.encode(f, model)
 
 
+#: The ways to make the materials of some stacks, by name.
+WAYS = {"layered": predicted, "network": partial(predicted, fast=True), "encoded": encoded}
+
+
 def errors(materials: list[Material], held: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
     """E (S,) of the stacks, that of the reference, and P (S, `P_PAIRS`)."""
     f = predict.evaluate(materials, held["wi"], held["wo"])
@@ -195,8 +199,7 @@ def measure(case: tuple[Group, bool], options: Options) -> Found:
             parts.append([*by_rivals(table, own), networks, noise])
         e = rounded(np.concatenate(parts, axis=1))
         return dict(zip(("Weier", "one width", "networks", "reference"), e, strict=True))
-    ways = {"layered": predicted, "network": partial(predicted, fast=True), "encoded": encoded}
-    return {way: figures(tables, held, make) for way, make in ways.items()}
+    return {way: figures(tables, held, make) for way, make in WAYS.items()}
 
 
 def figures(
@@ -226,17 +229,17 @@ def tables(found: Found) -> list[str]:
     for name, case in found.items():
         if "layered" not in case:
             parts = [100 * np.array(case[key]) for key in ("Weier", "one width", "networks")]
-            cells = ["{:.1f} / {:.1f} / {:.1f} %".format(*_summary(e)) for e in parts]
-            noise = f"{100 * np.mean(case['reference']):.2f} %"
+            cells = ["{:.1f} / {:.1f} / {:.1f}".format(*_summary(e)) for e in parts]
+            noise = f"{100 * np.mean(case['reference']):.2f}"
             others.append([name.removesuffix(", rivals"), f"{len(parts[0])}", *cells, noise])
             continue
-        for way, of in case.items():
-            cells = [_cell(of["E"]), _cell([of["reference"]]), _cell([of["P"]])]
-            own.append([name, way, *cells])
-    head = ["stacks", "materials", "E mean / median / p95", "reference's own E", "P median"]
-    rivals = ["stacks", "number", "Weier and Belcour 2020", "one width", "networks"]
+        of = [case[way] for way in WAYS]
+        noise, p = _cell([of[0]["reference"]]), _cell([way["P"] for way in of])
+        own.append([name, *(_cell(way["E"]) for way in of), noise, p])
+    head = ["stacks: E [%]", *WAYS, "of the reference", "median P: " + " / ".join(WAYS)]
+    rivals = ["stacks: E [%]", "number", "Weier and Belcour 2020", "one width", "codes"]
     made = [markdown(head, own)] if own else []
-    return made + ([markdown([*rivals, "reference's own E"], others)] if others else [])
+    return made + ([markdown([*rivals, "of the reference"], others)] if others else [])
 
 
 def _summary(e: np.ndarray) -> list[float]:
@@ -244,7 +247,7 @@ def _summary(e: np.ndarray) -> list[float]:
 
 
 def _cell(shares: list[float]) -> str:
-    return " / ".join(f"{100 * x:.2f}" for x in shares) + " %"
+    return " / ".join(f"{100 * x:.2f}" for x in shares)
 
 
 EXPERIMENT = Experiment(cases=cases, measure=measure, tables=tables, models=BOTH, minutes=30)

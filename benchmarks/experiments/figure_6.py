@@ -101,8 +101,8 @@ def tables(found: Found) -> list[str]:
         values = np.array([value for name, value in found.items() if name.startswith(grid)])
         if len(values):
             e, own = values.T
-            rows.append([grid, *map(percent, (e.mean(), e.max(), own.mean()))])
-    return [table(["grid", "mean E", "largest E", "the walk's own error"], rows)]
+            rows.append([grid, *(f"{100 * x:.2g}" for x in (e.mean(), e.max(), own.mean()))])
+    return [table(["grid", "E [%]: mean", "largest", "of the walk"], rows)]
 
 
 EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=2)

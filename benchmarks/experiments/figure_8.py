@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
 from benchmarks.measures import in_plane
-from benchmarks.showing import COLOURS, figure, percent, rounded, table
+from benchmarks.showing import COLOURS, figure, rounded, table
 
 import urushi
 
@@ -59,8 +59,8 @@ def tables(found: Found) -> list[str]:
     for number, case in found.items():
         walk, se, networks = (np.array(case[name]) for name in ("walk", "se", "networks"))
         shares = np.abs(networks - walk).sum() / walk.sum(), 0.8 * se.sum() / walk.sum()
-        rows.append([number, *map(percent, shares)])
-    return [table(["interfaces", "codes", "the walk's own error"], rows)]
+        rows.append([number, *(f"{100 * x:.2g}" for x in shares)])
+    return [table(["interfaces", "E [%]: codes", "of the walk"], rows)]
 
 
 EXPERIMENT = Experiment(

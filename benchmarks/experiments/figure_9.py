@@ -116,8 +116,10 @@ def tables(found: Found) -> list[str]:
     }
     noise = [np.mean([case["noise"][c] for case in found.values()]) for c, _ in columns]
     values["the walk's own error"] = noise
-    body = [[label, *map(percent, numbers)] for label, numbers in values.items()]
-    return [table(["material", *map(": ".join, columns)], body)]
+    body = [
+        [label, *(f"{100 * number:.2g}" for number in numbers)] for label, numbers in values.items()
+    ]
+    return [table(["material: E [%]", *map(": ".join, columns)], body)]
 
 
 EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=7)

@@ -82,14 +82,14 @@ def tables(found: Found) -> list[str]:
             x for name, x in own["E"].items() if materials.STACKS[name].coats[0].alpha <= SMOOTH
         ]
         parts = (e.mean(), np.percentile(e, 95), np.mean(smooth) if smooth else 0.0)
-        shares = [f"{100 * x:.1f} %" for x in parts]
+        shares = [f"{100 * x:.1f}" for x in parts]
         others = ["–"] * 4
         if "furnace" in own:
             white = np.array(list(own["furnace"].values()))
             limits = [f"{x:.2f}" for x in (white.min(), white.max())] if len(white) else others[:2]
             price = "–" if own["price"] is None else f"{own['price']:.0f}"
             others = [
-                f"{100 * np.mean(np.abs(list(own['albedo'].values()))):.1f} %",
+                f"{100 * np.mean(np.abs(list(own['albedo'].values()))):.1f}",
                 *limits,
                 price,
             ]
@@ -97,13 +97,13 @@ def tables(found: Found) -> list[str]:
         cells = []
         for family, members in materials.MATERIALS.items():
             part = [own["E"][f"{family}, {x}"] for x in members if f"{family}, {x}" in own["E"]]
-            cells.append(f"{100 * np.mean(part):.1f} % ({len(part)})" if part else "–")
+            cells.append(f"{100 * np.mean(part):.1f} ({len(part)})" if part else "–")
         families.append([name, *cells])
-    head = ["method", "materials", "E mean", "p95", "E, smooth coats", "error of the albedo"]
+    head = ["method", "materials", "E [%]: mean", "p95", "smooth coats", "albedo [%]"]
     made = []
     if lines:
         made.append(table([*head, "white: least", "most", "price [ns]"], lines))
-        made.append(table(["E (materials)", *materials.MATERIALS], families))
+        made.append(table(["E [%] (materials)", *materials.MATERIALS], families))
     if missing:
         made.append(table(["not measured", "why"], missing))
     return made

@@ -219,7 +219,7 @@ def cases(_: Options) -> dict[str, Any]:
 
 
 def tables(found: Found) -> list[str]:
-    """Renders as multiples of `principled`; and all other figures."""
+    """Renders as multiples of `principled`, slabs, and all other figures."""
     renders = {name: case for name, case in found.items() if PRINCIPLED in case}
     rows = [
         [
@@ -234,14 +234,19 @@ def tables(found: Found) -> list[str]:
     others = [
         [label, f"{value:g}"]
         for name, case in found.items()
-        if name not in renders
+        if name not in renders and name != "slabs"
         for label, value in case.items()
+    ]
+    channels = "1 channel", "3 channels"
+    slabs = [
+        [name, *(f"{found['slabs'][f'tables of {name}, {number}']:g}" for number in channels)]
+        for name in (SLABS if "slabs" in found else ())
     ]
     head = ["render", f"`{PRINCIPLED}`", "codes over it", "walk over it", "codes over walk"]
     made = [table([*head, "codes: compile"], rows)] if rows else []
-    return made + (
-        [table(["measurement", "a CPU second, or CPU seconds"], others)] if others else []
-    )
+    if others:
+        made.append(table(["measurement", "a CPU second, or CPU seconds"], others))
+    return made + ([table(["tables of [CPU s]", *channels], slabs)] if slabs else [])
 
 
 EXPERIMENT = Experiment(

@@ -46,8 +46,7 @@ REFERENCE = {"E": (512, 6144), "P": (512, 2048), "L1": (625, 2048)}
 #: Pairs of the measurement of evaluations, and its turns.
 EVALUATED, TURNS = 1 << 16, 5
 #: Errors in the order of the tables: factor and unit.
-ERRORS = {"E": (100, " %"), "P": (100, " %"), "L1": (1e3, "e-3"), "PSNR": (1, " dB")}
-HEADS = {"L1": "L1 [1/sr]", "PSNR": "PSNR of a sphere"}
+ERRORS = {"E": (100, "%"), "P": (100, "%"), "L1": (1e3, "10⁻³/sr"), "PSNR": (1, "dB")}
 #: Texels of a 4K texture, and bytes of a number.
 TEXELS, BYTES = 4096**2, 4
 #: What the paper says of a method: sharp highlights are kept, and how a material is represented.
@@ -251,13 +250,13 @@ def _errors(found: Found, name: str) -> str:
                 cells.append("")
             else:
                 low, high = interval(values)
-                cells.append(f"{short(values.mean())}{unit} ({short(low)} to {short(high)})")
+                cells.append(f"{short(values.mean())} ({short(low)}–{short(high)})")
         rows.append(cells)
     if name == "E":
         own = [100 * np.mean([case["reference"] for case in members[group]]) for group in present]
-        rows.append(["the reference's noise", *(f"{short(x)} %" if x else "0" for x in own)])
+        rows.append(["the reference's noise", *map(short, own)])
     heads = [f"{group} ({len(members[group])})" for group in present]
-    return table([HEADS.get(name, name), *heads], rows)
+    return table([f"{name} [{unit}]", *heads], rows)
 
 
 EXPERIMENT = Experiment(
