@@ -31,6 +31,11 @@ def test_white_stays_white_through_the_surface():
     assert recipe.seen(np.array([0.0, 1.0])) == pytest.approx([0, 1], abs=0.06)
 
 
+def test_a_ground_without_values_is_refused():
+    with pytest.raises(ParameterError, match="reflectance has shape"):
+        recipe.Recipe("#7a2f1e", ground=()).run()
+
+
 @pytest.mark.slow
 def test_a_mixture_is_found_again(capsys):
     """An opaque mixture's own colour: the walk agrees within 2.5, about the step of the parts."""

@@ -117,6 +117,11 @@ def export(model, tmp_path, capsys):
     return run
 
 
+def test_a_folder_is_refused_as_code(export):
+    status, _, error = export("-l", "wgsl", "-o", ".")
+    assert status == 2 and error.startswith("urushi: cannot write '.': it is a folder; choose")
+
+
 @pytest.mark.parametrize("language, suffix", [("wgsl", "dds"), ("osl", "exr"), ("python", "npy")])
 def test_command_writes_materials(model, materials, tmp_path, export, language, suffix):
     for kind in ("table", "no rest"):

@@ -10,7 +10,7 @@ import numpy as np
 import tyro
 
 from urushi.app.render import set_variant
-from urushi.errors import ParameterError
+from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write, new_folder, tensor_file_kind
 from urushi.ranges import Texels
 
@@ -73,6 +73,8 @@ class Export:
         return 0
 
     def _texture_path(self) -> Path:
+        if self.output.is_dir():
+            raise FileError(f"cannot write '{self.output}': it is a folder; choose another name")
         suffixes = SUFFIXES.get(self.language, GPU_SUFFIXES)
         path = self.output.with_suffix(suffixes[0]) if self.texture is None else self.texture
         if path.suffix not in suffixes:

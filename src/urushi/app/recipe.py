@@ -47,7 +47,7 @@ class Recipe:
         import urushi
 
         target = linear(self.color)
-        ground = urushi.diffuse(self.ground if len(self.ground) > 1 else self.ground[0])
+        ground = urushi.diffuse(self.ground[0] if len(self.ground) == 1 else self.ground)
 
         def walked(parts: dict[str, int], thickness: float) -> np.ndarray:
             paint = urushi.pigment(parts)
