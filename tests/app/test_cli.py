@@ -11,6 +11,7 @@ import pytest
 
 import urushi
 from urushi.app import cli
+from urushi.app.doctor import Doctor
 
 #: A device that is always full, on Linux.
 FULL = Path("/dev/full")
@@ -83,6 +84,21 @@ def test_ctrl_c_ends_a_command_that_does_not_return_to_python(tmp_path):
     assert time.monotonic() - begin < 30  # half a second on an idle machine; the sleep takes 60
     assert errors == "urushi: interrupted; nothing half-written was left behind\n"
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("kind", [RuntimeError, SystemError])
+def test_ctrl_c_that_another_error_wraps(kind, monkeypatch, capsys):
+    """As from an import that Mitsuba does in `mi.set_variant`."""
+
+    def run(self):
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as interrupt:
+            raise kind("an exception was set") from interrupt
+
+    monkeypatch.setattr(Doctor, "run", run)
+    assert cli.main(["doctor"]) == 130
+    assert capsys.readouterr().err.startswith("urushi: interrupted; nothing half-written")
 
 
 def test_ctrl_c_while_python_imports():

@@ -19,7 +19,7 @@ from urushi.app.doctor import Doctor
 from urushi.app.encode import Encode, Layer
 from urushi.app.export import Convert, Export
 from urushi.app.recipe import Recipe
-from urushi.app.render import Render, Scene
+from urushi.app.render import Render, Scene, raise_interrupt
 from urushi.app.simulate import Simulate
 from urushi.app.train import Data, Train
 from urushi.app.view import View
@@ -129,7 +129,11 @@ def _run(arguments: Sequence[str], commands: Commands, prog: str, description: s
     with warnings.catch_warnings():
         warnings.simplefilter("default", UrushiWarning)
         warnings.showwarning = functools.partial(_show, warnings.showwarning)
-        return command.run()
+        try:
+            return command.run()
+        except (RuntimeError, SystemError) as error:  # C++ wraps interrupts, also within imports
+            raise_interrupt(error)
+            raise
 
 
 def _show(others: Callable[..., None], message: Any, category: type, *place: Any) -> None:
