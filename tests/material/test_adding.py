@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from tests.oracles.adding_doubling import layers
-from tests.oracles.adding_doubling.quadrature import CosineGrid, interpolation
+from tests.oracles import doubling
+from tests.oracles.doubling import CosineGrid
 
 from urushi.material import adding
 
@@ -46,9 +46,9 @@ def test_media_are_those_of_the_solver_on_another_grid(albedo, sigma_t, g):
 def solved(albedo, sigma_t, g, nodes=64, modes=64):
     """Reflection and transmission of scattered light by the solver, values (N, N, H) [1/sr]."""
     own, grid = adding.grid(), CosineGrid.gauss(nodes, modes)
-    reflected, passed = layers.slab(grid, albedo, sigma_t, g)
-    passed = passed - np.diag(layers.direct(grid, sigma_t))
-    basis = interpolation(grid, own.cosines) / grid.root  # weights of both sides are taken out
+    reflected, passed = doubling.slab(grid, albedo, sigma_t, g)
+    passed = passed - np.diag(doubling.direct(grid, sigma_t))
+    basis = grid.interpolation(own.cosines) / grid.root  # weights of both sides are taken out
     m = np.arange(len(reflected))
     series = np.where(m == 0, 1, 2)[:, None] * np.cos(m[:, None] * own.azimuths)
     # Directions of propagation there; here both point away from what reflects.

@@ -30,6 +30,8 @@ STACKS: dict[str, tuple[Stack, float]] = {
     # Few pairs of directions of the interface meet the lobe of polished metal.
     "rough on polished": (coat(conductor(0.02, 0.8), 0.3, 1.5), 0.02),
     "nested": (coat(coat(GREY, 0.05, 1.3, sigma_t=0.2), 0.1, 1.5, sigma_t=0.3), 0.01),
+    "nested, denser": (coat(coat(GREY, 0.3, 0.8, 0.95, 1.0, 0.9), 0.25, 1.5, 0.9, 0.5), 0.01),
+    "two media": (coat(coat(GREY, 0.4, 1.3, 0.9, 2.0, 0.5), 0.25, 1.4, 0.8, 1.0, -0.5), 0.01),
     "no interface": (coat(conductor(0.05, 0.9), 0.3, 1.0, 0.9, 0.7, -0.3), 0.01),
     "faint on gold": (coat(conductor(0.1, eta=0.2, k=3.9), 0.04, 1.003), 0.01),
     "faint on metal": (coat(conductor(0.1, r0=0.8), 0.04, 1.012), 0.01),

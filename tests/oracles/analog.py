@@ -28,7 +28,7 @@ def analog_albedo(
     *,
     walks: int = 1 << 16,
     seed: int = 0,
-    transmitted: bool | None = False,
+    transmitted: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Count the photons from `wi` that a stack reflects, or that a slab transmits.
 
@@ -38,7 +38,7 @@ def analog_albedo(
     Args:
         stack: what to simulate (`urushi.coat`).
         wi: (N, 3) unit vectors.
-        transmitted: count the photons that pass the dielectric under the coats instead; None: both.
+        transmitted: count the photons that pass the dielectric under the coats instead.
         walks: photons per direction and channel, at least 2.
         seed: any integer; the same seed gives the same numbers on the same backend.
 
@@ -57,7 +57,7 @@ def analog_albedo(
     )
 
 
-def _photon(transmitted: bool | None, layers: Any, bottom: Bottom, wi: Any, rng: Any) -> Any:
+def _photon(transmitted: bool, layers: Any, bottom: Bottom, wi: Any, rng: Any) -> Any:
     """1 if a photon from wi comes out of the stack on the side that is counted, else 0."""
     index_type = dr.uint32_array_t(type(wi.z))
     alpha, eta = layers.interface(index_type(0))
@@ -69,8 +69,7 @@ def _photon(transmitted: bool | None, layers: Any, bottom: Bottom, wi: Any, rng:
 
     def body(alive: Any, w: Any, layer: Any, depth: Any, escaped: Any, rng: Any) -> tuple:
         w, layer, depth, survives, out = _event(layers, bottom, w, layer, depth, rng)
-        counts = out if transmitted is None else out & ((w.z < 0) == transmitted)
-        escaped = dr.select(alive & counts, 1, escaped)
+        escaped = dr.select(alive & out & ((w.z < 0) == transmitted), 1, escaped)
         return alive & survives & ~out, w, layer, depth, escaped, rng
 
     return dr.while_loop(

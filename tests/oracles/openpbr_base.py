@@ -7,7 +7,7 @@ of Kulla and Conty 2017 for metals, a Lambertian slab below the interface for di
 from collections.abc import Callable
 
 import numpy as np
-from tests.oracles.adding_doubling.surfaces import fresnel_dielectric as dielectric
+from tests.oracles.surfaces import fresnel_dielectric as dielectric
 
 #: Facets of an albedo, and cosines and azimuths of its mean.
 FACETS, COSINES, AZIMUTHS = 1 << 12, 16, 4

@@ -9,7 +9,7 @@ reflectance of an interface is the same from inside at the refracted angle.
 import numpy as np
 import numpy.typing as npt
 from scipy import integrate
-from tests.oracles.adding_doubling.surfaces import fresnel_dielectric as interface_reflectance
+from tests.oracles.surfaces import fresnel_dielectric as interface_reflectance
 
 
 def refracted(cos: npt.ArrayLike, eta: float) -> np.ndarray:

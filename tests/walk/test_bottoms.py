@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from tests.directions import in_plane, pairs_above
 
-from urushi.core import microfacet
 from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.random import stream
 from urushi.train.distribution import Extended
@@ -71,27 +70,6 @@ def test_lobes_of_special_exponents_are_those_of_conductors(jit):
         np.testing.assert_allclose(bottom.f_pdf(wi, wo)[0].numpy(), expected, rtol=1e-4)
     diffuse = Mixture(half, zero, half, r0, zero, half, r0).f_pdf(wi, wo)[0]
     np.testing.assert_allclose(diffuse.numpy(), 0.5 / np.pi, rtol=1e-6)
-
-
-@pytest.mark.parametrize("gamma", [0.6, 1.03, 3.0, 8.0])
-@pytest.mark.parametrize("alpha", [0.02, 0.5])
-def test_trowbridge_reitz_normals_are_drawn_with_their_density(jit, alpha, gamma):
-    """Samples and quadrature over theta have one mean of cos^2, and the density integrates to 1."""
-    rng = stream(jit.PCG32, dr.arange(jit.UInt64, SAMPLES), 1)
-    parameters = jit.Float(alpha), jit.Float(gamma)
-    m = microfacet.sample_gtr(jit.Array3f, *parameters, rng.next_float32(), rng.next_float32())
-    drawn_sin2 = 1 - m.z.numpy().astype(np.float64) ** 2
-    # Midpoints in ln tan theta, which resolves every width.
-    edges = np.linspace(np.log(alpha * 1e-3), np.log(1e4), 20_001)
-    theta = np.arctan(np.exp(0.5 * (edges[1:] + edges[:-1])))
-    step = np.diff(np.arctan(np.exp(edges)))
-    normal = jit.Array3f(*(jit.Float(x) for x in (np.sin(theta), 0 * theta, np.cos(theta))))
-    density = microfacet.gtr_d(normal, *parameters).numpy() * np.cos(theta)
-    weight = 2 * np.pi * density * np.sin(theta) * step
-    assert np.sum(weight) == pytest.approx(1, abs=2e-3)  # float32 for gamma close to one
-    expected = np.sum(weight * np.sin(theta) ** 2)
-    # Five standard errors of the samples' mean.
-    assert abs(drawn_sin2.mean() - expected) < 5 * drawn_sin2.std() / SAMPLES**0.5 + 2e-3 * expected
 
 
 def test_beckmann_lobe_is_mitsubas(variant):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.directions import DOWN, at_cosines, in_plane, pairs_above
 from tests.oracles import slab as closed
-from tests.oracles.adding_doubling import surfaces
+from tests.oracles import surfaces
 
 from urushi.checks import Widths
 from urushi.core.direction_sets import cosine_pairs
@@ -37,8 +37,7 @@ def test_surfaces_without_coats_are_reciprocal_and_follow_their_formulas(surface
     assert f.dtype == np.float32 and f.shape == (500, 3)
     np.testing.assert_allclose(f, analytic.f(surface, wo, wi), rtol=1e-5)
     for channel, numbers in enumerate(zip(*table.bottom.values(), strict=True)):
-        kernel = surfaces.BOTTOMS[table.kind](*map(float, numbers))
-        expected = surfaces.at_pairs(kernel, wi, wo)
+        expected = surfaces.BOTTOMS[table.kind](wi, wo, *map(float, numbers))
         np.testing.assert_allclose(f[:, channel], expected, rtol=3e-4)
     for sides in ((wi, wo * DOWN), (wi * DOWN, wo), (wi * DOWN, wo * DOWN)):
         assert not analytic.f(surface, *sides).any()
@@ -101,7 +100,7 @@ def test_smooth_slabs_are_fresnels_sums_and_follow_beer_and_lambert(far: float) 
 @pytest.mark.parametrize("medium", [0.0, 0.4])
 def test_one_rough_surface_transmits_by_walters_btdf(pairs, eta: float, medium: float) -> None:
     wi, wo = pairs
-    expected = eta**2 * surfaces.at_pairs(surfaces.transmission(0.3, eta), wi, wo)
+    expected = eta**2 * surfaces.transmission(wi, wo * DOWN, 0.3, eta)
     for stack, inside in (
         (coat(dielectric(0.3, eta), 0.6, 1.0, sigma_t=medium), wi),
         (coat(dielectric(0.6, 1.0), 0.3, eta, sigma_t=medium), wo),

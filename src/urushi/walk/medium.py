@@ -7,7 +7,7 @@ In the middle of a deep lossless medium, light is diffuse: radiance is isotropic
 proportional to the net flux, which is constant (Chandrasekhar 1960; Case & Zweifel 1967). There, a
 sheet that scatters diffusely to both sides passes as much light as the slab that it replaces.
 `KEPT` is left on both of its sides. The layer's f differs by less than 0.1 % from the whole slab's,
-by adding and doubling (tests/walk/test_adding_doubling.py), and a walk's length is bounded.
+by doubling (tests/walk/test_medium.py), and a walk's length is bounded.
 """
 
 from typing import Any, NamedTuple

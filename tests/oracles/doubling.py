@@ -1,16 +1,16 @@
-"""Operators of the layers: media by doubling, rough interfaces, and their addition to a reflector.
+"""Slabs of a Henyey-Greenstein medium without interfaces, by doubling (van de Hulst 1980, ch. 4).
 
-All operators are (M, N, N), weighted on both sides (see quadrature.py), seen from above. A slab of
-a Henyey-Greenstein medium is doubled (van de Hulst 1980, chapter 4).
-
-Nodes must resolve the lobes of an interface, whose half width is about alpha |1 - 1 / eta| in
-transmission, and Fresnel's root at the critical angle, whose error falls with their square.
+Light in azimuth is a series: the sum over m of (2 - [m = 0]) k_m(mu, mu') cos(m phi), with phi
+between the two directions of *propagation*, so that a mirror has phi = 0. Operators compose as
+k_m W l_m with W = diag(2 pi mu w); here sqrt(W) k_m sqrt(W) is stored, so that they compose as
+plain matrices and are symmetric.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
+from scipy.interpolate import BarycentricInterpolator
 from scipy.special import assoc_legendre_p_all
-from tests.oracles.adding_doubling import surfaces
-from tests.oracles.adding_doubling.quadrature import CosineGrid, fourier
 
 #: Optical depth of the first layer. Double scattering in it is neglected, an error of this order.
 _THIN = 2e-8
@@ -19,37 +19,37 @@ _THIN = 2e-8
 _NEGLIGIBLE = 1e-9
 
 
-def under_medium(
-    grid: CosineGrid, reflector: np.ndarray, albedo: float, sigma_t: float, g: float
-) -> np.ndarray:
-    """Reflection R + T A (1 - R A)^-1 T of a slab (R, T) over the reflector A."""
-    straight = direct(grid, sigma_t)
-    result = straight[:, None] * reflector * straight
-    if sigma_t == 0 or albedo == 0:
-        return result
-    reflect, transmit = slab(grid, albedo, sigma_t, g)
-    bottom = reflector[: len(reflect)]
-    between = np.linalg.solve(np.eye(len(grid.mu)) - reflect @ bottom, transmit)
-    result[: len(reflect)] = reflect + transmit @ bottom @ between
-    return result
+@dataclass(frozen=True)
+class CosineGrid:
+    """Directions of a medium and the modes kept.
+
+    Attributes:
+        mu: (N,) Gauss-Legendre cosines in (0, 1), increasing.
+        root: (N,) sqrt(2 pi mu w), the root of the weight of projected solid angle.
+        modes: number M of Fourier modes, m = 0 to M - 1.
+    """
+
+    mu: np.ndarray
+    root: np.ndarray
+    modes: int
+
+    @staticmethod
+    def gauss(nodes: int, modes: int) -> "CosineGrid":
+        """Gauss-Legendre quadrature of `nodes` cosines; their weights sum to pi."""
+        x, w = np.polynomial.legendre.leggauss(nodes)
+        mu = 0.5 * (1 + x)
+        return CosineGrid(mu, np.sqrt(np.pi * mu * w), modes)
+
+    def interpolation(self, mu: np.ndarray) -> np.ndarray:
+        """Lagrange polynomials of the nodes at `mu`, any shape: (..., N)."""
+        return BarycentricInterpolator(self.mu, np.eye(len(self.mu)), rng=0)(mu)
 
 
-def trapped(grid: CosineGrid, reflector: np.ndarray, alpha: float, eta: float) -> np.ndarray:
-    """All bounces A (1 - I A)^-1 between the reflector A and the inner side I of an interface."""
-    inner = grid.operator(surfaces.inner_reflection(alpha, eta))
-    system = np.eye(len(grid.mu)) - reflector @ inner
-    return np.linalg.solve(system, reflector)
-
-
-def under_interface(
-    grid: CosineGrid, reflector: np.ndarray, alpha: float, eta: float
-) -> np.ndarray:
-    """Reflection of a rough interface over the reflector, between the nodes of the medium above."""
-    outer = grid.operator(surfaces.outer_reflection(alpha, eta))
-    # The flux is conserved by eta**2 S inwards and S outwards.
-    through = grid.root[:, None] * transmission(grid, grid.mu, alpha, eta)
-    bounces = trapped(grid, reflector, alpha, eta)
-    return outer + eta**2 * through @ bounces @ np.swapaxes(through, 1, 2)
+def series(modes: np.ndarray, phi: np.ndarray) -> np.ndarray:
+    """Sum the Fourier series: modes (M, P) at the azimuths phi (P,), radians -> (P,)."""
+    order = np.arange(len(modes))
+    factor = np.where(order == 0, 1.0, 2.0)[:, None] * np.cos(order[:, None] * phi)
+    return (factor * modes).sum(0)
 
 
 def slab(
@@ -104,8 +104,3 @@ def _phase_modes(grid: CosineGrid, g: float) -> tuple[np.ndarray, np.ndarray]:
         for sign in signs
     )
     return forward, backward
-
-
-def transmission(grid: CosineGrid, mu_out: np.ndarray, alpha: float, eta: float) -> np.ndarray:
-    """Modes (M, A, N) of the symmetric kernel S from (A,) outside cosines to the nodes inside."""
-    return fourier(surfaces.transmission(alpha, eta), mu_out, grid.mu, grid.modes) * grid.root
