@@ -12,6 +12,7 @@ from urushi.core.microfacet import of_widths
 BRUSHED = [Widths(0.5, 0.1), Widths(0.1, 0.8), Widths(1.0, 0.7), Widths(0.02, 0.01)]
 ALPHAS = [0.01, 0.1, 0.5, 1.0, *BRUSHED]
 
+
 def direction(theta: float, phi: float = 0.4) -> np.ndarray:
     """A unit vector (3, 1)."""
     sin = np.sin(theta)
