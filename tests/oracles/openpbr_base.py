@@ -1,18 +1,18 @@
-"""The base of OpenPBR Surface 1.1.1 (section 3.2) in NumPy, its albedos by sums over facets.
+"""The base of OpenPBR Surface 1.1.1 (section 3.2) in NumPy.
 
-It shares no code with the package: GGX with the separable masking of Smith, F82-tint with the lobe
+Its formulas are not the package's: GGX with the separable masking of Smith, F82-tint with the lobe
 of Kulla and Conty 2017 for metals, a Lambertian slab below the interface for dielectrics.
 """
 
-from collections.abc import Callable
-
 import numpy as np
+from tests.directions import at_cosines
+from tests.oracles.surfaces import Fresnel, reflection
 from tests.oracles.surfaces import fresnel_dielectric as dielectric
 
-#: Facets of an albedo, and cosines and azimuths of its mean.
-FACETS, COSINES, AZIMUTHS = 1 << 12, 16, 4
+from urushi.core.quadrature import directional_albedos
 
-Fresnel = Callable[[np.ndarray], np.ndarray]
+#: Cosines and azimuths of the mean of an albedo.
+COSINES, AZIMUTHS = 16, 4
 
 
 def base(p: dict[str, np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -23,16 +23,12 @@ def base(p: dict[str, np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray
     weight, share, tint = p["specular_weight"], p["base_metalness"], p["specular_color"]
     root = (p["specular_ior"] - 1) / (p["specular_ior"] + 1) * np.sqrt(weight)
     eta, color = np.clip((1 + root) / (1 - root), 1 / 3, 3), p["base_weight"] * p["base_color"]
-    half = wi + wo
-    half /= np.linalg.norm(half, axis=-1, keepdims=True)
-    cosine = (half * wi).sum(-1)
-    scaled = half / [*widths, 1]
-    facets = 1 / (np.pi * widths.prod() * (scaled**2).sum(-1) ** 2)
-    lobe = facets * masking(wi, widths) * masking(wo, widths) / (4 * wi[:, 2] * wo[:, 2])
+    cosine = np.sqrt(0.5 + 0.5 * (wi * wo).sum(-1))
+    lobe = reflection(wi, wo, widths, np.ones_like)
 
     def diffuse(fresnel: Fresnel) -> np.ndarray:
         """The lobe of what an interface does not reflect at once, of albedo one where it is."""
-        lost = [np.array([1 - albedo(w, widths, fresnel) for w in ws]) for ws in (wi, wo)]
+        lost = [1 - albedo(w, widths, fresnel) for w in (wi, wo)]
         return (lost[0] * lost[1] / (np.pi * (1 - mean_albedo(widths, fresnel))))[:, None]
 
     glass = (lobe * dielectric(cosine, eta))[:, None] * tint
@@ -53,44 +49,19 @@ def f82(cosine: np.ndarray, f0: np.ndarray, tint: np.ndarray) -> np.ndarray:
     return np.maximum(f0 + (1 - f0) * (1 - cosine) ** 5 - dip, 0)
 
 
-def masking(w: np.ndarray, widths: np.ndarray) -> np.ndarray:
-    """Smith's masking (N,) of directions (N, 3)."""
-    slope2 = ((widths * w[:, :2]) ** 2).sum(-1) / w[:, 2] ** 2
-    return 2 / (1 + np.sqrt(1 + slope2))
+def albedo(w: np.ndarray, widths: np.ndarray, fresnel: Fresnel) -> np.ndarray:
+    """Shares (N,) of the light from w (N, 3) that one reflection by the facets lets leave."""
 
+    def lobe(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return reflection(a, b, widths, fresnel)
 
-def albedo(w: np.ndarray, widths: np.ndarray, fresnel: Fresnel) -> float:
-    """Share of the light from w (3,) that one reflection by the facets lets leave.
-
-    A mean over visible facets (Heitz 2018, Sampling the GGX distribution of visible normals).
-    """
-    index = np.arange(FACETS) + 0.5
-    u, turn = index / FACETS, 2 * np.pi * (index * 0.6180339887498949 % 1)
-    v = w * [*widths, 1]
-    v /= np.linalg.norm(v)
-    first = np.array([-v[1], v[0], 0]) if np.hypot(*v[:2]) > 1e-9 else np.array([1.0, 0, 0])
-    first /= np.linalg.norm(first)
-    x, y, part = np.sqrt(u) * np.cos(turn), np.sqrt(u) * np.sin(turn), 0.5 * (1 + v[2])
-    y = (1 - part) * np.sqrt(1 - x**2) + part * y
-    z = np.sqrt(np.maximum(1 - x**2 - y**2, 0))
-    half = x[:, None] * first + y[:, None] * np.cross(v, first) + z[:, None] * v
-    half *= [*widths, 1]
-    half /= np.linalg.norm(half, axis=-1, keepdims=True)
-    cosine = (half * w).sum(-1)
-    out = 2 * cosine[:, None] * half - w
-    leaves = out[:, 2] > 0
-    return (masking(out[leaves], widths) * fresnel(cosine[leaves])).sum() / FACETS
+    return directional_albedos(lobe, w, anisotropic=widths[0] != widths[1])[:, 0]
 
 
 def mean_albedo(widths: np.ndarray, fresnel: Fresnel) -> float:
     """Mean of `albedo` over diffuse light."""
     nodes, weights = np.polynomial.legendre.leggauss(COSINES)
-    turns = (np.arange(AZIMUTHS) + 0.5) * np.pi / (2 * AZIMUTHS)
-    total = 0.0
-    for c, weight in zip(0.5 * (nodes + 1), weights, strict=True):
-        sine = np.sqrt(1 - c * c)
-        for turn in turns[: 1 if widths[0] == widths[1] else None]:
-            w = np.array([sine * np.cos(turn), sine * np.sin(turn), c])
-            found = albedo(w, widths, fresnel)
-            total += weight * c * found / (1 if widths[0] == widths[1] else AZIMUTHS)
-    return total
+    cosines, turns = 0.5 * (nodes + 1), (np.arange(AZIMUTHS) + 0.5) * np.pi / (2 * AZIMUTHS)
+    w = at_cosines(cosines[:, None], turns if widths[0] != widths[1] else 0.0)
+    found = albedo(w.reshape(-1, 3), widths, fresnel).reshape(COSINES, -1).mean(axis=1)
+    return (weights * cosines) @ found

@@ -7,6 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+Fresnel = Callable[[np.ndarray], np.ndarray]
+
 
 def fresnel_dielectric(cos: np.ndarray, eta: float) -> np.ndarray:
     """Unpolarised reflectance for eta = n_transmitted / n_incident; 1 beyond the critical angle."""
@@ -33,18 +35,20 @@ def fresnel_schlick(cos: np.ndarray, r0: float) -> np.ndarray:
     return r0 + (1 - r0) * (1 - cos) ** 5
 
 
-def _facets(half: np.ndarray, wi: np.ndarray, wo: np.ndarray, alpha: float) -> np.ndarray:
-    """D G of unit normals (eq. 33 and 34), over the cosines of both directions."""
-    result = alpha**2 / (np.pi * (1 + (alpha**2 - 1) * half[:, 2] ** 2) ** 2)
-    for mu in np.abs(wi[:, 2]), np.abs(wo[:, 2]):
-        result = result * 2 / (mu + np.sqrt(mu**2 + alpha**2 * (1 - mu**2)))
+def _facets(half: np.ndarray, wi: np.ndarray, wo: np.ndarray, alpha) -> np.ndarray:
+    """D G of unit normals over the cosines of both directions, for one width or two.
+
+    Eq. 33 and 34; Heitz 2014, eq. 85 and 86.
+    """
+    scale = np.array([*np.broadcast_to(alpha, 2), 1.0])
+    result = 1 / (np.pi * scale.prod() * ((half / scale) ** 2).sum(1) ** 2)
+    for w in wi, wo:
+        result = result * 2 / (np.abs(w[:, 2]) + np.linalg.norm(w * scale, axis=1))
     return result
 
 
-def reflection(
-    wi: np.ndarray, wo: np.ndarray, alpha: float, fresnel: Callable[[np.ndarray], np.ndarray]
-) -> np.ndarray:
-    """F D G / (4 mu_i mu_o), eq. 20."""
+def reflection(wi: np.ndarray, wo: np.ndarray, alpha, fresnel: Fresnel) -> np.ndarray:
+    """F D G / (4 mu_i mu_o), eq. 20; alpha is one width, or two."""
     wi, wo = wi.astype(np.float64), wo.astype(np.float64)
     half = (wi + wo) / np.linalg.norm(wi + wo, axis=1, keepdims=True)
     return fresnel((wi * half).sum(1)) * _facets(half, wi, wo, alpha) / 4

@@ -48,13 +48,3 @@ def assert_equal_means(first, second):
 def test_both_estimators_have_the_same_mean(name):
     wi, wo = pairs_above(24, 1, 0.2)
     assert_equal_means(walked(STACKS[name], wi, wo, 2), walked(STACKS[name], wi, wo, 3, simulate))
-
-
-def estimate(layers, bottom, wi, wo, rng, count):
-    return bidirectional.estimate(layers, bottom, wi, wo, rng, type(wi.z), count=count)
-
-
-@pytest.mark.parametrize("name", ["forward", "three", "low"])
-def test_reciprocity(name):
-    wi, wo = pairs_above(24, 7, 0.2)
-    assert_equal_means(walked(STACKS[name], wi, wo, 8), walked(STACKS[name], wo, wi, 9))

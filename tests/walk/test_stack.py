@@ -62,6 +62,8 @@ def test_a_table_has_a_row_per_channel_that_differs() -> None:
     assert table.coats == 2
     np.testing.assert_allclose(table.albedo, [[0.1, 0], [0.2, 0], [0.3, 0]])
     np.testing.assert_allclose(table.alpha, [[0.3, 0.1]] * 3)
+    clear = StackTable(ONES, ONES, ONES, -0.0 * ONES, ONES, "diffuse", {"reflectance": TWO})
+    assert not np.signbit(clear.sigma_t).any()  # the walk divides by depths
 
 
 def test_equal_widths_are_one_width() -> None:

@@ -162,16 +162,6 @@ def test_extreme_stacks_stay_finite() -> None:
         assert np.all(np.isfinite(found) & (found >= 0))
 
 
-def test_optical_depth_of_negative_zero_is_zero() -> None:
-    """A walk that divided by -0.0 would stop at once in the medium."""
-    row, found = np.zeros(1, np.uint32), []
-    for depth in (0.0, -0.0):
-        coats = np.float32([[[0.1]], [[1.5]], [[0.0]], [[depth]], [[0.0]]])
-        table = StackTable(*coats, "diffuse", {"reflectance": np.float32([0.5])})
-        found.append(walk_pairs(table, row, above(1, 1), above(1, 2), walks=64, seed=0)[0])
-    np.testing.assert_array_equal(*found)
-
-
 @pytest.mark.parametrize("coats", [1, 2])
 def test_absorption_is_carried_as_a_weight(coats: int) -> None:
     """If absorption ended walks by chance, only those that survive would contribute.
