@@ -2,16 +2,7 @@
 
 import mitsuba as mi
 import pytest
-from benchmarks.scenes import (
-    OWN,
-    POINT,
-    PRINCIPLED,
-    SCENES,
-    SKY,
-    WALK,
-    describe,
-    digest,
-)
+from benchmarks.scenes import OWN, POINT, PRINCIPLED, SCENES, SKY, WALK, describe, digest
 
 from urushi.nets.weights import DEFAULT
 

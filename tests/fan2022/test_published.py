@@ -12,15 +12,7 @@ from fan2022.architecture import EVALUATION, LAYERING, Linear, PaperArchitecture
 from fan2022.inference import direction_inputs, evaluate, layer
 from fan2022.torch_files import state_dict
 from tests.fan2022 import torch_writer
-from tests.fan2022.torch_writer import (
-    EMPTY,
-    dictionary,
-    integer,
-    named,
-    tensor,
-    text,
-    write,
-)
+from tests.fan2022.torch_writer import EMPTY, dictionary, integer, named, tensor, text, write
 
 from urushi.errors import FileError
 
@@ -199,10 +191,7 @@ def hostile(target="") -> dict[str, tuple[bytes, str]]:
         "method of a dictionary": (method(b"}"), "damaged"),
         "method of a method": (method(named("__builtin__", "getattr")), "damaged"),
         "attributes of a class": (named("torch", "Size") + b"}b", "holds none"),
-        "slots of a function": (
-            rebuild + b"N}" + text("__defaults__") + b")s\x86b",
-            "holds none",
-        ),
+        "slots of a function": (rebuild + b"N}" + text("__defaults__") + b")s\x86b", "holds none"),
         "no parameters": (method(NETWORK + b"}b"), "damaged"),
         "module in itself": (method(NETWORK + b"q\x00" + modules(b"h\x00") + b"b"), "damaged"),
         "module twice": (

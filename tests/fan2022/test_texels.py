@@ -39,14 +39,3 @@ def test_every_level_keeps_the_average(rgb, width, height):
         values = half_resolution(values)
         assert values.shape == (*sides, 2)
         np.testing.assert_allclose(values.mean(axis=(0, 1)), mean, rtol=1e-5)
-
-
-def test_rows_are_the_same_within_rounding(rgb):
-    from fan2022.texels import different_rows
-
-    f = np.random.default_rng(2).random((5, 40)).astype(np.float32) + 0.1
-    f[0, 0] = 0
-    rows = f[[3, 0, 3, 1, 4, 0, 2]]
-    first, place = different_rows(rows)
-    assert len(first) == 5
-    np.testing.assert_array_equal(rows[first][place], rows)

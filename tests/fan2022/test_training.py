@@ -5,15 +5,7 @@ import json
 import jax
 import numpy as np
 import pytest
-from fan2022 import (
-    Material,
-    layering,
-    networks,
-    projection,
-    proxy,
-    representation,
-    training,
-)
+from fan2022 import Material, layering, networks, projection, proxy, representation, training
 from fan2022.architecture import PaperArchitecture, init
 from fan2022.inference import direction_inputs
 from fan2022.pairs import stratified_pairs
@@ -35,12 +27,7 @@ def test_at_scale_one_all_numbers_are_the_papers():
     """Smaller scales take fewer samples. Over all epochs, rates fall by the same factor."""
     preset = PaperPreset()
     parts = {name: count for name, (_, count) in preset.data.parts.items()}
-    assert parts == {
-        "conductor": 300,
-        "dielectric": 300,
-        "two-layer": 12_720,
-        "three-layer": 1_800,
-    }
+    assert parts == {"conductor": 300, "dielectric": 300, "two-layer": 12_720, "three-layer": 1_800}
     assert (preset.data.pairs, preset.trained, preset.epochs) == (25**4, 12_000, 50)
     assert preset.rates(0) == (3e-4, 1e-4)
     assert preset.rates(1) == pytest.approx((0.9 * 3e-4, 0.9 * 1e-4))

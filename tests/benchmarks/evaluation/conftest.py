@@ -10,10 +10,7 @@ from urushi.nets.weights import Model
 from urushi.train.distribution import Extended
 
 #: Small ones: one with everything that a group may have, and one that is analytic.
-GROUPS = (
-    Group("few", Table2(1), 3, probed=(1,)),
-    Group("bare", Extended(0, "mixture"), 3),
-)
+GROUPS = (Group("few", Table2(1), 3, probed=(1,)), Group("bare", Extended(0, "mixture"), 3))
 
 
 @pytest.fixture(scope="session")
