@@ -7,6 +7,7 @@ or NumPy may take minutes. A thread therefore waits for the signal too, and ends
 exception has not done so.
 """
 
+import io
 import os
 import signal
 import socket
@@ -22,6 +23,8 @@ GRACE = 0.5
 
 def main() -> int:
     """`urushi.app.cli.main`, with its exit code for an interrupt, which ends the process."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # None if it is closed
+        sys.stdout.reconfigure(errors="backslashreplace")  # as of standard error
     finished = threading.Event()
     _watch(finished)
     handler = signal.getsignal(signal.SIGINT)

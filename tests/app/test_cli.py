@@ -1,5 +1,6 @@
 """The command line: help with examples, one sentence for an error, and exit codes."""
 
+import os
 import shlex
 import signal
 import subprocess
@@ -145,6 +146,15 @@ def test_a_full_disk_under_standard_output_is_one_sentence(argument):
     assert run.returncode == cli.FAILURE
     assert run.stderr.startswith("urushi: cannot write to standard output: No space left")
     assert run.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["simulate", "diffuse(0.5)"]])
+def test_output_in_an_encoding_without_some_characters(arguments):
+    command = [sys.executable, "-m", "urushi_command", *arguments]
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    run = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert "\\" in run.stdout
 
 
 def test_a_command_without_standard_output_prints_nothing(monkeypatch, capsys):

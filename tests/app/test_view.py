@@ -278,6 +278,12 @@ def test_the_page_is_written_into_a_folder(untrained, tmp_path, capsys):
     assert re.search(r'rel="preload" as="fetch" crossorigin href="./weights', document)
 
 
+def test_the_page_is_written_as_one_document(untrained, tmp_path):
+    for name in ("page.html", "PAGE.HTML"):
+        assert cli.main(["view", "-o", str(tmp_path / name)]) == 0
+        assert (tmp_path / name).read_text().startswith("<!doctype html>")
+
+
 def test_a_taken_port_is_one_sentence(untrained, server, capsys):
     assert cli.main(["view", "--port", str(server.server_port), "--no-browser"]) == 2
     assert capsys.readouterr().err.startswith("urushi: cannot serve the page on port")

@@ -68,7 +68,7 @@ class View:
         shown = None if self.material is None else first_material(self.material, self.weights)
         files = page_files(find(self.weights), shown)
         if self.output is not None:
-            if self.output.suffix == ".html":
+            if self.output.suffix.lower() == ".html":
                 write({self.output.name: page_document(files).encode()}, self.output.parent)
             else:
                 write(addressed(files), self.output)
