@@ -33,7 +33,7 @@ ROOT = Path(__file__).parents[1]
 FIGURES, PARTS = ROOT / "figures", Path("out/figures")
 RESULTS = ROOT / "docs" / "results.md"
 #: The first cells of the table of states, on the page of results.
-STATES = ("results", "weights", "date", "minutes", "state")
+STATES = ("results", "date", "minutes", "state")
 
 Found = dict[str, Any]
 #: From a case's name to its pictures by name, as sRGB values in [0, 1].
@@ -201,13 +201,11 @@ def state(name: str) -> str:
 
 
 def states() -> str:
-    """A table of all experiments: weights and date of the stored results, and which are stale."""
+    """A table of all experiments: date of the stored results, and which are stale."""
     rows = []
     for name in names():
-        found = stored(name) or {"weights": {}, "date": ""}
-        minutes = f"{load(name).minutes:g}"
-        weights = ", ".join(found["weights"].values())
-        rows.append([f"`{name}`", weights, found["date"], minutes, state(name)])
+        date_of = (stored(name) or {"date": ""})["date"]
+        rows.append([f"`{name}`", date_of, f"{load(name).minutes:g}", state(name)])
     return table(STATES, rows)
 
 

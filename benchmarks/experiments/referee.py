@@ -97,13 +97,15 @@ def tables(found: Found) -> list[str]:
         cells = []
         for family, members in materials.MATERIALS.items():
             part = [own["E"][f"{family}, {x}"] for x in members if f"{family}, {x}" in own["E"]]
-            cells.append(f"{100 * np.mean(part):.1f} ({len(part)})" if part else "–")
+            some = f" ({len(part)})" if len(part) < len(members) else ""
+            cells.append(f"{100 * np.mean(part):.1f}{some}" if part else "–")
         families.append([name, *cells])
     head = ["method", "materials", "E [%]: mean", "p95", "smooth coats", "albedo [%]"]
     made = []
     if lines:
         made.append(table([*head, "white: least", "most", "price [ns]"], lines))
-        made.append(table(["E [%] (materials)", *materials.MATERIALS], families))
+        heads = [f"{family} ({len(own)})" for family, own in materials.MATERIALS.items()]
+        made.append(table(["E [%] (materials)", *heads], families))
     if missing:
         made.append(table(["not measured", "why"], missing))
     return made
