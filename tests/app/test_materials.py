@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from tests.measured import writers
 from tests.untrained import untrained
 
 import urushi
@@ -16,19 +17,9 @@ pytestmark = pytest.mark.usefixtures("untrained")
 GOLD, OUTPUT = "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))", ["-o", "material.safetensors"]
 
 
-@pytest.fixture
-def merl(tmp_path):
-    """Writes tables of MERL's format, all of one value [1/sr], by name."""
-
-    def write(name, value):
-        # The format's values are doubles over scales of 1/1500, 1.15/1500 and 1.66/1500.
-        scales = np.array([1.0, 1.15, 1.66]) / 1500
-        planes = [np.full(90 * 90 * 180, value / scale) for scale in scales]
-        file = tmp_path / f"{name}.binary"
-        file.write_bytes(np.array([90, 90, 180], "<i4").tobytes() + np.stack(planes).tobytes())
-        return file
-
-    return write
+def green(folder):
+    """A MERL file of a Lambertian surface."""
+    return writers.write_merl(folder / "green.binary", np.full((90 * 90 * 180, 3), 0.5))
 
 
 SCENE = """<scene version="3.0.0">
@@ -66,9 +57,9 @@ def test_errors_of_encode(arguments, sentence, tmp_path, monkeypatch, capsys):
     assert not (tmp_path / OUTPUT[1]).exists()
 
 
-def test_encode_several_sources_into_a_folder(merl, tmp_path, capsys):
+def test_encode_several_sources_into_a_folder(tmp_path, capsys):
     """A measured file, a description, and two BSDFs of a scene."""
-    table, scene, folder = merl("green", 0.5), tmp_path / "scene.xml", tmp_path / "materials"
+    table, scene, folder = green(tmp_path), tmp_path / "scene.xml", tmp_path / "materials"
     scene.write_text(SCENE.format("wall", "0.1, 0.5, 0.8"))
     sources = {
         str(table): urushi.load_measured(table),
@@ -89,9 +80,9 @@ def test_encode_several_sources_into_a_folder(merl, tmp_path, capsys):
         )
 
 
-def test_a_bad_source_stops_none_of_the_others(merl, tmp_path, capsys):
+def test_a_bad_source_stops_none_of_the_others(tmp_path, capsys):
     broken = tmp_path / "broken.binary"
-    broken.write_bytes(merl("green", 0.5).read_bytes()[:1000])
+    broken.write_bytes(green(tmp_path).read_bytes()[:1000])
     (tmp_path / "page.binary").write_text("<html>")
     files = [str(tmp_path / f"{name}.binary") for name in ("absent", "green", "broken", "page")]
     assert cli.main(["encode", *files, "-o", str(tmp_path / "materials")]) == 2

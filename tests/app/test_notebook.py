@@ -1,9 +1,10 @@
-"""The page as one document: it asks for nothing, and holds what the page's files hold."""
+"""What notebooks show: the page as one document, and pictures of materials."""
 
 import base64
 import gzip
 import hashlib
 import html
+import io
 import json
 import re
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.app import cli, page_files
+from urushi.app import cli, notebook, page_files
 from urushi.app.page_files import page_document
 from urushi.errors import FileError, ParameterError
 from urushi.material import Material
@@ -89,3 +90,38 @@ def test_what_a_notebook_cannot_show_and_what_the_page_has_no_cards_for(untraine
     for _ in range(page_files.MOST_COATS + 1):
         many = urushi.coat(many)
     assert start(urushi.show(many).document)["bottom"]["kind"] == "codes"
+
+
+@pytest.fixture
+def pixels(rgb, monkeypatch):
+    """A function: the picture (24, 24, 4) of a material, from 0 to 255."""
+    image = pytest.importorskip("PIL.Image")
+    monkeypatch.setattr(notebook, "SIZE", 24)
+    notebook.png.cache_clear()
+    yield lambda x: np.asarray(image.open(io.BytesIO(x._repr_png_()), formats=["PNG"])).astype(int)
+    notebook.png.cache_clear()
+
+
+def test_colours_are_those_of_the_surface(pixels):
+    red = (0.8, 0.05, 0.05)
+    dark, bright, red = (pixels(urushi.encode(urushi.diffuse(r))) for r in (0.1, 0.8, red))
+    assert dark.shape == bright.shape == (24, 24, 4)
+    inside = dark[..., 3] == 255
+    assert inside[12, 12] and not inside[0, 0]
+    assert (bright[inside][:, :3] > dark[inside][:, :3]).all()
+    assert red[12, 12, 0] > 2 * red[12, 12, 1]
+
+
+def test_anisotropy_shows(pixels):
+    """Tangents are horizontal, so that exchanged widths are another picture."""
+    one, other = (
+        pixels(urushi.encode(urushi.conductor(alpha_u=u, alpha_v=v, r0=0.9)))
+        for u, v in ((0.05, 0.5), (0.5, 0.05))
+    )
+    assert np.abs(one - other).max() > 50
+
+
+def test_materials_of_other_numbers_of_channels_have_no_picture(pixels):
+    grey = urushi.encode(urushi.diffuse(0.5))
+    assert Material(grey.latents[:2], grey.model)._repr_png_() is None
+    assert pixels(Material(grey.latents[:1], grey.model)).shape == (24, 24, 4)
