@@ -5,6 +5,8 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from tests.mitsuba import sampling
+from tests.mitsuba.latents.test_axes import albedo as albedo_of_samples
+from tests.mitsuba.latents.test_axes import interactions, square
 from tests.openpbr_surface.probes import (
     WHITE,
     anywhere,
@@ -102,6 +104,21 @@ def test_a_smooth_pane_has_the_shares_of_thindielectric():
         expected = 2 * once / (1 + once)
         assert np.mean(weight[0] * reflected) == pytest.approx(expected, abs=0.01)
         assert np.mean(weight[0] * ~reflected) == pytest.approx(1 - expected, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("material", "name"), [(PANE, "transmission_color"), (GLASS | COAT, "coat_color")]
+)
+def test_colours_of_slabs_may_be_given_on_a_mesh(material, name):
+    """Walks of a colour that is the same on the whole mesh have the albedo of the constant's table,
+    within the noise."""
+    mesh = square(mi)  # lives as long as its points
+    si, material = interactions(mi, mesh), material | {"specular_roughness": 0.3}
+    found = []
+    for color in ({"type": "mesh_attribute", "name": "vertex_value"}, (0.3, 0.3, 0.3)):
+        bsdf = load(material | {name: color}, energy_compensation=False)
+        found.append(albedo_of_samples(mi, bsdf, si))
+    assert found[0] == pytest.approx(found[1], rel=0.02)
 
 
 def test_a_leaf_splits_its_colour_as_the_specification_says():

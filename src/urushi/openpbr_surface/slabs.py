@@ -8,6 +8,7 @@ import mitsuba as mi
 from urushi.checks import AIR
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.frames import SlabMixture, raised, relative
+from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.reading.nested import DECIMALS
 from urushi.mitsuba.surface import Surface
 from urushi.openpbr_surface import formulas
@@ -75,7 +76,7 @@ class Slab(Surface):
         """Whether it is a table: where it is constant, also by no bitmap, and isotropic."""
         isotropic = all(inputs.is_constant(f"{x}_roughness_anisotropy", 0) for x in self._layers)
         given = [inputs.textures[x] for x in (TABULATED if self._coated else TABULATED[:2])]
-        varying = any(x.is_spatially_varying() for x in given)
+        varying = any(x.is_spatially_varying() or varies(x) for x in given)
         return self._coating.tables and isotropic and not varying
 
     def _measure(self):

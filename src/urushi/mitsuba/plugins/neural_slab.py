@@ -23,7 +23,7 @@ from urushi.mitsuba.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.plugins.coated import CoatedSurface
 from urushi.mitsuba.plugins.stack import CoatStack, width
 from urushi.mitsuba.properties import ignore
-from urushi.mitsuba.reading.grid import varies
+from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.recording import only_where, opaque, owned
 from urushi.mitsuba.snapshot import has_gradients
 from urushi.mitsuba.tables import Interpolated, interpolated, padded, stored, tabulated
@@ -83,7 +83,7 @@ class NeuralSlab(CoatedSurface):
             reason = "a slab has a table for one width of each interface"
         for layer in layers:
             for name, texture in layer.textures.items():
-                if varies(texture):
+                if varying_textures(texture):
                     reason = f"{name} is a texture, but the tables of a slab are of constants"
         if reason is not None:
             raise ParameterError(
