@@ -8,7 +8,7 @@ import type { Shot } from "./shot";
 
 /** Aims for a frame's time while something moves, and for a strip's time at rest [ms]. */
 const MOVING = 25;
-const RESTING = 100;
+const RESTING = 60;
 
 /** Time without change after which the picture rests [ms]. */
 const PATIENCE = 160;
@@ -20,7 +20,7 @@ const FIRST_COST = { card: 60, software: 3000 };
  * Least frames of a picture at rest where each takes long. Textures of codes, which are noisier, and
  * large pictures have the second number.
  */
-const [SLOW_FRAMES, MORE_SLOW_FRAMES] = [4, 6];
+const [SLOW_FRAMES, MORE_SLOW_FRAMES] = [3, 6];
 /** Shaded pixels of all frames of such a picture on the page. */
 const SLOW_PIXELS = 0.55e6;
 
@@ -206,14 +206,17 @@ export class Painter {
       Math.max(Math.ceil((this.cost.resting * pixels) / RESTING), 1),
       MOST_STRIPS,
     );
-    let time = 0;
+    const start = performance.now();
+    let before: Promise<unknown> | null = null;
     for (const _ of renderer.drawFrame(shot, this.count, scale, 1, strips)) {
-      time += await renderer.finished();
+      const drawn = renderer.finished();
+      await before; // a strip is ready to be drawn when the one before it is finished
       if (!this.resting) return false;
+      before = drawn;
     }
-    time += await renderer.finished();
+    await renderer.finished();
     this.measure(renderer, shot);
-    this.learn("resting", time, pixels);
+    this.learn("resting", performance.now() - start, pixels);
     return this.resting;
   }
 
