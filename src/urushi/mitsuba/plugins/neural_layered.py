@@ -68,8 +68,9 @@ class NeuralLayered(Coated, EncodedSurface):
 
     Pictures can be differentiated with respect to all parameters, including the bottom's, by
     Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
-    that ``mi.traverse`` lists, and update. A parameter with gradients is an axis over all
-    values that it may take; its derivative is the slope along it.
+    that ``mi.traverse`` lists, and update. A texture with gradients is an axis over all values
+    that it may take; its derivative is the slope along it. The derivative by a constant is a
+    difference of light transport.
 
     After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
     """
