@@ -1,5 +1,6 @@
 """What tests of plugins share: textures of texels, f of a BSDF, scenes, and the walk in Python."""
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -65,11 +66,39 @@ def f(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv=(0.0, 0.0)) -> np.ndar
     return probing.bsdf_values(bsdf, wi, wo, np.broadcast_to(np.float32(uv), (len(wi), 2)))
 
 
+def interaction(wi: np.ndarray, uv=(0.5, 0.5)) -> "mi.SurfaceInteraction3f":
+    """Seen from wi (N, 3) at uv, (2,) or (N, 2), each with random numbers of its own."""
+    at = np.broadcast_to(uv, (len(wi), 2))
+    si = probing.interaction(np.asarray(wi, np.float32), at, np.arange(len(wi)))
+    si.t = 1.0
+    return si
+
+
+def evaluated(bsdf, wi, wo, uv=(0.5, 0.5), mode="Radiance") -> tuple[np.ndarray, np.ndarray]:
+    """f (N, C) [1/sr] and density (N,) [1/sr] of pairs (N, 3) on any sides."""
+    context, out = mi.BSDFContext(getattr(mi.TransportMode, mode)), vector(np.float32(wo))
+    f_cos, density = bsdf.eval_pdf(context, interaction(wi, uv), out)
+    return f_cos.numpy().T / np.abs(out.z.numpy())[:, None], density.numpy()
+
+
 def walked(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, walks: int) -> np.ndarray:
-    """f (walks, N, C) [1/sr] for pairs (N, 3), each at a place of its own and thus by its walk."""
-    repeated = (np.tile(w, (walks, 1)).astype(np.float32) for w in (wi, wo))
-    uv = np.random.default_rng(0).random((walks * len(wi), 2))
-    return f(bsdf, *repeated, uv).reshape(walks, len(wi), -1).astype(np.float64)
+    """f (walks, N, C) [1/sr] for pairs (N, 3), each at a place and by a walk of its own."""
+    wi, wo = (np.tile(w, (walks, 1)) for w in (wi, wo))
+    found, _ = evaluated(bsdf, wi, wo, np.random.default_rng(0).random((len(wi), 2)))
+    return found.reshape(walks, len(wi) // walks, -1).astype(np.float64)
+
+
+def sampled(bsdf, wi, count: int, uv=(0.5, 0.5), mode="Importance"):
+    """Weights (N, count, C) and directions (N, count, 3) of samples for light from wi (N, 3).
+
+    uv: (2,) or (N, 2). The weights of importance are shares of power.
+    """
+    wi, index = np.repeat(np.atleast_2d(wi), count, 0), np.tile(np.arange(count), np.size(wi) // 3)
+    u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
+    uv = np.repeat(uv, count, 0) if np.ndim(uv) > 1 else uv
+    context = mi.BSDFContext(getattr(mi.TransportMode, mode))
+    bs, weight = bsdf.sample(context, interaction(wi, uv), mi.Float(u[0]), mi.Point2f(u[1], u[2]))
+    return tuple(np.float64(x.numpy()).T.reshape(-1, count, len(x)) for x in (weight, bs.wo))
 
 
 def update(bsdf: "mi.Object", values: dict) -> None:
@@ -78,6 +107,26 @@ def update(bsdf: "mi.Object", values: dict) -> None:
     for key, value in values.items():
         parameters[key] = value
     parameters.update()
+
+
+def slopes(parameters, steps: dict[str, float], function) -> tuple[list[float], list[float]]:
+    """Derivatives of a function by parameters, each by all of its numbers, and its differences.
+
+    parameters: of `mi.traverse`, which carry gradients afterwards. steps: to both sides, by key.
+    """
+
+    def value(key, change) -> float:
+        parameters.update({x: start[x] + (change if x == key else 0) for x in steps})
+        return float(np.sum(function().numpy()))
+
+    start = {key: type(parameters[key])(parameters[key]) for key in steps}  # copies
+    differences = [(value(k, x) - value(k, -x)) / (2 * x) for k, x in steps.items()]
+    for key in steps:
+        parameters[key] = start[key] + 0
+        dr.enable_grad(parameters[key])
+    parameters.update()
+    dr.backward(function())
+    return [float(dr.grad(parameters[key]).numpy().sum()) for key in steps], differences
 
 
 def spheres(*bsdfs, integrator: str = "path", size: int = 16, depth: int = 3, **parts) -> dict:

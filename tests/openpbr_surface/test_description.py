@@ -1,4 +1,7 @@
-"""`urushi.openpbr`: a description that is the plugin's material, in scenes, values and files."""
+"""`urushi.openpbr`: the table of parameters, and descriptions in scenes, values and files."""
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
@@ -9,6 +12,7 @@ from tests.openpbr_surface.probes import error, loaded
 import urushi
 from urushi.errors import ParameterError
 from urushi.mitsuba.reading import probing
+from urushi.openpbr_surface.parameters import PARAMETERS, checked, complete
 
 pytestmark = pytest.mark.usefixtures("rgb")
 
@@ -56,14 +60,55 @@ def test_a_uniform_material_is_encoded_and_textures_are_kept_or_refused(tmp_path
         urushi.encode(textured)
 
 
+def test_every_parameter_of_the_examples_is_known(openpbr_examples):
+    names = {
+        element.get("name")
+        for path in openpbr_examples.glob("*.mtlx")
+        for surface in ElementTree.parse(path).getroot().iter("open_pbr_surface")
+        for element in surface.iter("input")
+    }
+    assert names
+    assert names <= PARAMETERS.keys()
+
+
+def test_names_and_defaults_are_those_of_the_reference_graph():
+    materialx = pytest.importorskip("MaterialX", reason="the package materialx is not installed")
+    path = Path(materialx.__file__).parent / "libraries" / "bxdf" / "open_pbr_surface.mtlx"
+    definition = ElementTree.parse(path).getroot().find("nodedef")
+    assert definition.get("version") == "1.1.1"
+    given = {element.get("name"): element.get("value") for element in definition.iter("input")}
+    assert list(given) == list(PARAMETERS)
+    for name, text in given.items():
+        default = PARAMETERS[name].default
+        if text in (None, "false"):
+            assert not default
+        else:
+            assert np.array_equal(np.float64(text.split(",")), np.atleast_1d(default))
+
+
+def test_defaults_lie_in_their_ranges():
+    values = complete({})
+    assert values.keys() == {name for name, p in PARAMETERS.items() if p.kind != "vector"}
+
+
+def test_values_are_converted():
+    assert checked("coat_weight", 0.25) == 0.25
+    assert np.array_equal(checked("coat_color", 0.5), [0.5, 0.5, 0.5])
+    assert not np.signbit(checked("coat_color", [-0.0, 1, 1])).any()
+
+
 @pytest.mark.parametrize(
-    ("parameters", "sentence"),
+    ("name", "value", "sentence"),
     [
-        ({"coat_roughnes": 0.1}, "did you mean coat_roughness"),
-        ({"coat_weight": 2}, r"coat_weight is 2; it must be in \[0, 1\]"),
-        ({"geometry_thin_walled": {"type": "checkerboard"}}, "thin_walled cannot be a texture"),
+        ("coat_roughnes", 0.1, "did you mean coat_roughness"),
+        ("coat_weight", 1.5, r"openpbr: coat_weight is 1.5; it must be in \[0, 1\]"),
+        ("specular_ior", -1, "specular_ior is -1; it must be 0 or more"),
+        ("coat_weight", [0.1, 0.2, 0.3], "give a number$"),
+        ("base_color", "red", "give a number or three, one per RGB channel"),
+        ("coat_roughness", float("nan"), "coat_roughness is nan"),
+        ("geometry_thin_walled", {"type": "checkerboard"}, "thin_walled cannot be a texture"),
     ],
 )
-def test_wrong_parameters_are_refused_at_once(parameters, sentence):
+def test_wrong_parameters_are_refused_at_once(name, value, sentence):
     with pytest.raises(ParameterError, match=sentence):
-        urushi.openpbr(**parameters)
+        urushi.openpbr(**{name: value})

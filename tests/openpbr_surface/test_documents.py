@@ -6,9 +6,9 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from tests.directions import pairs_above
-from tests.mitsuba.probes import f
+from tests.mitsuba.probes import f, sampled
 from tests.openpbr_surface.materialx.conftest import HEAD, element
-from tests.openpbr_surface.probes import loaded, sampled
+from tests.openpbr_surface.probes import loaded
 
 import urushi
 
@@ -50,20 +50,18 @@ def test_parameters_are_those_of_the_document_unless_properties_replace_them(pat
 @pytest.mark.parametrize("weight", ['value="0.3"', 'nodename="u"', 'value="1"'])
 def test_a_mixture_of_shaders_is_one_of_their_brdfs(path, weight):
     """As MaterialX defines `mix`: (1 - mix) bg + mix fg. u is .5 where `values` evaluates."""
-    gold, plain = "Gold", "Plain"
-    mixed = f"""<open_pbr_surface name="{plain}" type="surfaceshader"/>
-    <texcoord name="uv" type="vector2"/><extract name="u" type="float">
-    <input name="in" type="vector2" nodename="uv"/></extract>
-    <mix name="Mix" type="surfaceshader"><input name="mix" type="float" {weight}/>
-    <input name="bg" type="surfaceshader" nodename="{plain}"/>
-    <input name="fg" type="surfaceshader" nodename="{gold}"/></mix></materialx>"""
-    Path(path).write_text(DOCUMENT.replace("</materialx>", mixed))
+    shaders = {"bg": ("surfaceshader", "@Plain"), "fg": ("surfaceshader", "@Gold")}
+    mixed = element("open_pbr_surface", "surfaceshader", "Plain")
+    mixed += element("texcoord", "vector2", "uv")
+    mixed += element("extract", "float", "u", in_=("vector2", "@uv"))
+    mixed += element("mix", "surfaceshader", "Mix", mix=("float", weight), **shaders)
+    Path(path).write_text(DOCUMENT.replace("</materialx>", mixed + "</materialx>"))
 
     def f(material):
         return values(mi.load_dict({"type": "materialx", "filename": path, "material": material}))
 
     share = {"0": 0.3, "u": 0.5, "1": 1.0}[weight.split('"')[1][0]]
-    expected = (1 - share) * f(plain) + share * f(gold)
+    expected = (1 - share) * f("Plain") + share * f("Gold")
     assert np.allclose(f("Mix"), expected, rtol=1e-3, atol=1e-6)  # the texture has 1024 columns
 
 
@@ -79,28 +77,23 @@ def test_a_document_with_a_medium_is_rendered_on_a_shape(path):
 @pytest.mark.parametrize(
     ("properties", "message"),
     [
-        ({}, "has no filename; give a MaterialX document"),
+        ({"filename": None}, "has no filename; give a MaterialX document"),
         ({"filename": "none.mtlx"}, "there is no MaterialX file"),
-        ({"filename": None}, "has several materials; choose one of Gold, Glass, Ketchup"),
+        ({}, "has several materials; choose one of Gold, Glass, Ketchup"),
+        ({"material": "Glass"}, r"'Glass' \(open_pbr_surface\): .*_dispersion_scale needs"),
+        ({"material": "Ketchup"}, r"'Ketchup' \(standard_surface\): subsurface_weight asks for"),
+        ({"material": "Gold", "bake": 0}, "materialx: bake is 0; it must be in"),
         (
-            {"filename": None, "material": "Glass"},
-            r"materialx: '.*': the node 'Glass' \(open_pbr_surface\): .*_dispersion_scale needs",
-        ),
-        (
-            {"filename": None, "material": "Ketchup"},
-            r"materialx: '.*': the node 'Ketchup' \(standard_surface\): subsurface_weight asks for",
-        ),
-        ({"filename": None, "material": "Gold", "bake": 0}, "materialx: bake is 0; it must be in"),
-        (
-            {"filename": None, "material": "Gold", "coat_weight": 1.0, "coat_ior": -1.0},
-            r"materialx: '.*': the node 'Gold' \(open_pbr_surface\): coat_ior is -1",
+            {"material": "Gold", "coat_weight": 1.0, "coat_ior": -1.0},
+            r"'Gold' \(open_pbr_surface\): coat_ior is -1",
         ),
     ],
 )
 def test_errors_say_what_to_do(path, properties, message):
-    given = {k: path if v is None else v for k, v in properties.items()}
-    with pytest.raises(Exception, match=message):
-        mi.load_dict({"type": "materialx", **given})
+    given = {"type": "materialx", "filename": path} | properties
+    node = r"materialx: '.*': the node " if message.startswith("'") else ""
+    with pytest.raises(Exception, match=node + message):
+        mi.load_dict({k: v for k, v in given.items() if v is not None})
 
 
 def crossing(bsdf):

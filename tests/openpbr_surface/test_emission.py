@@ -4,7 +4,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
-from tests.openpbr_surface.probes import interaction, toward
+from tests.mitsuba.probes import interaction
+from tests.openpbr_surface.probes import toward
 from tests.oracles.slab import interface_reflectance
 
 import urushi

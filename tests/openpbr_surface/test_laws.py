@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import mitsuba as mi
 import numpy as np
 import pytest
-from tests.mitsuba.probes import strip
-from tests.openpbr_surface.probes import WHITE, evaluated, interaction, toward
+from tests.mitsuba.probes import evaluated, interaction, strip
+from tests.openpbr_surface.probes import WHITE, toward
 from tests.openpbr_surface.probes import loaded as openpbr
 from tests.oracles import openpbr_base
 

@@ -11,15 +11,12 @@ from urushi.walk.simulate import albedo
 
 COSINES, WEIGHTS = np.polynomial.legendre.leggauss(48)
 COSINES, WEIGHTS = 0.5 * (COSINES + 1), 0.5 * WEIGHTS
+NORMAL = np.array([[0.0, 0.0, 1.0]])
 
 
 def mean(values):
     """2 times the integral of values at `COSINES` times the cosine."""
     return (2 * WEIGHTS * COSINES * values).sum(axis=-1)
-
-
-def direction(cosine):
-    return np.array([[np.sqrt(1 - cosine * cosine), 0, cosine]])
 
 
 def test_the_base_has_the_ratio_of_the_indices():
@@ -78,7 +75,7 @@ def test_a_smooth_glossy_base_keeps_its_colour_in_the_walk(eta):
     passed = 2 * (fine * (1 - fresnel.dielectric(fine, eta, NUMPY)[0])).mean()
     rho = formulas.slab_albedo(color, formulas.internal_reflectance(passed, eta))
     stack = urushi.coat(urushi.diffuse(rho), alpha=0.02, eta=eta)
-    found, error = albedo(stack, direction(1.0), walks=1 << 18)
+    found, error = albedo(stack, NORMAL, walks=1 << 18)
     spec = ((eta - 1) / (eta + 1)) ** 2
     assert np.all(np.abs(found - (spec + (1 - spec) * color)) < 4 * error + 2e-3)
 
@@ -105,7 +102,7 @@ def test_without_darkening_a_smooth_coat_keeps_the_base_albedo(color, coat):
     boosted = color * formulas.boost(0.0, internal, color, coat)
     assert boosted <= 1
     stack = urushi.coat(urushi.diffuse(boosted), alpha=0.02, eta=eta, color=coat)
-    found, error = albedo(stack, direction(1.0), walks=1 << 18)
+    found, error = albedo(stack, NORMAL, walks=1 << 18)
     f0 = ((eta - 1) / (eta + 1)) ** 2
     expected = f0 + (1 - f0) * coat * color
     assert abs(found[0, 0] - expected) < 4 * error[0, 0] + 2e-3 + 0.01 * expected * (coat < 1)

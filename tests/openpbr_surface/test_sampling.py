@@ -5,8 +5,8 @@ from unittest.mock import Mock
 import mitsuba as mi
 import numpy as np
 import pytest
-from tests.mitsuba.probes import spheres
-from tests.openpbr_surface.probes import loaded, sampled, toward
+from tests.mitsuba.probes import sampled, spheres
+from tests.openpbr_surface.probes import loaded, toward
 
 pytestmark = pytest.mark.usefixtures("rgb")
 

@@ -7,15 +7,8 @@ import pytest
 from tests.mitsuba import sampling
 from tests.mitsuba.latents.test_axes import albedo as albedo_of_samples
 from tests.mitsuba.latents.test_axes import interactions, square
-from tests.openpbr_surface.probes import (
-    WHITE,
-    anywhere,
-    interaction,
-    loaded,
-    sampled,
-    toward,
-    values,
-)
+from tests.mitsuba.probes import interaction, sampled
+from tests.openpbr_surface.probes import WHITE, anywhere, loaded, toward, values
 
 import urushi
 from urushi.core import fresnel
@@ -42,29 +35,18 @@ def cosine_of(degrees):
     return np.cos(np.radians(degrees))
 
 
-def light(bsdf, degrees, count=1 << 16, azimuth=36.87, uv=(0.5, 0.5)):
+def light(bsdf, degrees, count=1 << 16):
     """Weights (C, N) and directions (N, 3) of samples for light of an angle to the upper normal."""
-    weight, wo = sampled(bsdf, toward(cosine_of(degrees), azimuth), count, uv)
+    weight, wo = sampled(bsdf, toward(cosine_of(degrees)), count)
     return weight[0].T, wo[0]
 
 
-#: Two-sided surfaces in closed form, and their indices below relative to above.
-CLOSED = {
-    "glass": (GLASS | {"specular_roughness": 0.3}, 1.5),
-    "thinner": (GLASS | {"specular_ior": 0.8, "specular_roughness": 0.4}, 0.8),
-    "film": (GLASS | {"thin_film_weight": 1.0, "specular_roughness": 0.5}, 1.5),
-    "half a metal": (GLASS | {"base_metalness": 0.5, "base_color": WHITE}, 1.5),
-    "leaf": (LEAF | {"subsurface_color": WHITE, "subsurface_scatter_anisotropy": 0.4}, 1.0),
-}
-
-
-@pytest.mark.parametrize("name", CLOSED)
-def test_samples_follow_the_density_on_the_sphere(name):
-    material, index = CLOSED[name]
-    bsdf = load(material)
+def test_samples_of_glass_follow_the_density_on_the_sphere():
+    """Of the other closed forms, white furnaces in `test_laws` would be off."""
+    bsdf = load(GLASS | {"specular_roughness": 0.3})
     for seed, degrees in enumerate((20, 70, 110, 160)):
-        test = sampling.chi_squared(bsdf, degrees, seed, index)
-        assert test.run(0.01, test_count=20, quiet=True), test.messages
+        test = sampling.chi_squared(bsdf, degrees, seed, 1.5)
+        assert test.run(0.01, test_count=4, quiet=True), test.messages
 
 
 @pytest.mark.parametrize("degrees", [10, 150])
@@ -112,12 +94,12 @@ def test_a_smooth_pane_has_the_shares_of_thindielectric():
 def test_colours_of_slabs_may_be_given_on_a_mesh(material, name):
     """Walks of a colour that is the same on the whole mesh have the albedo of the constant's table,
     within the noise."""
-    mesh = square(mi)  # lives as long as its points
-    si, material = interactions(mi, mesh), material | {"specular_roughness": 0.3}
+    mesh = square()  # lives as long as its points
+    si, material = interactions(mesh), material | {"specular_roughness": 0.3}
     found = []
     for color in ({"type": "mesh_attribute", "name": "vertex_value"}, (0.3, 0.3, 0.3)):
         bsdf = load(material | {name: color}, energy_compensation=False)
-        found.append(albedo_of_samples(mi, bsdf, si))
+        found.append(albedo_of_samples(bsdf, si))
     assert found[0] == pytest.approx(found[1], rel=0.02)
 
 
@@ -182,9 +164,8 @@ def test_the_medium_of_a_body():
     assert sigma * single == pytest.approx([0.5, 0.1, 0.1])
     absorbed = sigma * (1 - single)
     assert absorbed.min() == pytest.approx(0, abs=1e-12)
-    assert np.diff(absorbed) == pytest.approx(
-        np.diff(-np.log([0.5, 0.25, 0.1]) / 2 - [0.5, 0.1, 0.1])
-    )
+    expected = -np.log([0.5, 0.25, 0.1]) / 2 - [0.5, 0.1, 0.1]
+    assert np.diff(absorbed) == pytest.approx(np.diff(expected))
     assert urushi.openpbr(**GLASS).interior() is None
     assert "interior" not in urushi.openpbr().on({"type": "sphere"})
     texture = {"type": "checkerboard"}
@@ -194,21 +175,19 @@ def test_the_medium_of_a_body():
         urushi.openpbr(**GLASS, transmission_depth=1.0, transmission_color=texture).interior()
 
 
-@pytest.mark.parametrize(
-    ("material", "surface"),
-    [
-        (
-            {"subsurface_weight": 0.8, "subsurface_color": (0.2, 0.1, 0.5), "base_weight": 0.5},
-            {"base_color": tuple(0.8 * np.array((0.2, 0.1, 0.5)) + 0.2 * 0.5 * 0.8)},
-        ),
-        (
-            GLASS | {"transmission_color": (0.2, 0.6, 0.4), "transmission_depth": 2.0},
-            GLASS | {"transmission_color": (0.2, 0.6, 0.4)},
-        ),
-        (GLASS | {"transmission_scatter": (0.2, 0.6, 0.4), "transmission_depth": 2.0}, GLASS),
-    ],
-    ids=["subsurface", "depth", "scatter"],
-)
+GREEN, PURPLE = (0.2, 0.6, 0.4), np.array([0.2, 0.1, 0.5])
+TINT, SKIN = {"transmission_color": GREEN}, {"subsurface_color": tuple(PURPLE), "base_weight": 0.5}
+MEDIA = {
+    "subsurface": (
+        SKIN | {"subsurface_weight": 0.8},
+        {"base_color": tuple(0.8 * PURPLE + 0.2 * 0.5 * 0.8)},
+    ),
+    "depth": (GLASS | TINT | {"transmission_depth": 2.0}, GLASS | TINT),
+    "scatter": (GLASS | {"transmission_scatter": GREEN, "transmission_depth": 2.0}, GLASS),
+}
+
+
+@pytest.mark.parametrize(("material", "surface"), MEDIA.values(), ids=MEDIA)
 def test_a_bsdf_alone_has_no_medium(material, surface):
     """It is refused; where that is ignored, the body has no depth: its colours are the surface's.
 
@@ -331,16 +310,6 @@ def test_light_goes_straight_through_an_index_of_one(name, degrees):
         assert not values(bsdf, np.tile([0.6, 0, 0.8], (100, 1)), anywhere(100, 1)[0]).any()
 
 
-def test_a_pane_appears_and_disappears_with_its_index():
-    bsdf = load(PANE | WALKS)
-    params = mi.traverse(bsdf)
-    for index in (1.0, 1.5):
-        params["specular_ior.value"] = index
-        params.update()
-        assert mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null) == (index == 1)
-        assert light(bsdf, 30, 1 << 13)[0].mean() == pytest.approx(1, abs=0.03)
-
-
 def test_a_coat_of_index_one_on_a_pane_is_its_medium():
     """Two coats dim what goes through by Beer's law; the surfaces of the pane alone bend light."""
     shared = PANE | WALKS | {"specular_roughness": 0.3}
@@ -356,27 +325,3 @@ def test_derivatives_of_slabs_are_refused_by_the_parameter(name):
     dr.enable_grad(params[f"{name}.value"])
     with pytest.raises(ParameterError, match=f"openpbr: {name} carries gradients"):
         params.update()
-
-
-@pytest.mark.parametrize(
-    ("material", "name"),
-    [(GLASS, "specular_roughness"), (LEAF | {"subsurface_color": (0.5,) * 3}, "subsurface_color")],
-    ids=["glass", "leaf"],
-)
-def test_closed_forms_have_derivatives(material, name):
-    """Against differences of f in single precision."""
-    bsdf, key, step = load({"specular_roughness": 0.5} | material), f"{name}.value", 0.01
-    params = mi.traverse(bsdf)
-    wi, wo = np.array([[0.3, 0.1, 0.949]]), np.array([[-0.1, -0.3, -0.949]])
-    value, found = type(params[key])(params[key]), []
-    for change in (-step, step):
-        params[key] = value + change
-        params.update()
-        found.append(values(bsdf, wi, wo)[0, 0])
-    params[key] = value
-    dr.enable_grad(params[key])
-    params.update()
-    f = bsdf.eval(mi.BSDFContext(), interaction(wi), mi.Vector3f(wo[0].tolist()))[0]
-    dr.backward(f / abs(wo[0, 2]))
-    slope = np.sum(np.array(dr.grad(params[key])))
-    assert slope == pytest.approx((found[1] - found[0]) / (2 * step), rel=0.03, abs=1e-3)

@@ -1,4 +1,4 @@
-"""f of codes of every kind of lobe in Dr.Jit: NumPy's, reciprocal, and with its derivatives."""
+"""f and densities of codes of every kind of lobe in Dr.Jit are NumPy's; derivatives of f."""
 
 import drjit as dr
 import numpy as np
@@ -10,13 +10,11 @@ from urushi.core.direction_sets import cosine_pairs
 from urushi.core.table import interpolated
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.codes import BasisDecoder, ConstantLatents, table_of
-from urushi.mitsuba.latents.lobe import ANY_LOBE
+from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.latents.over_axes import AxisLatents, texel_axes
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets import transmittance
-from urushi.nets.basis import decode
-from urushi.nets.weights import Model, default_model
+from urushi.nets.weights import Model
 from urushi.textures.baking import Baked
 from urushi.textures.store import TexelGrid
 
@@ -55,17 +53,11 @@ def codes(name: str) -> np.ndarray:
     return np.concatenate([LOBES[name], rest], axis=1).astype(np.float32)
 
 
-def directions(count: int = 2048) -> tuple[np.ndarray, np.ndarray]:
+def directions() -> tuple[np.ndarray, np.ndarray]:
     """Pairs: at random, grazing, about mirror directions, and exactly mirrored or opposite."""
-    rng = np.random.default_rng(2)
-    w = rng.normal(size=(2, count, 3))
-    w[:, ::3, 2] *= 1e-3
-    w[1, ::2] = w[0, ::2] * [-1, -1, 1] + 0.01 * rng.normal(size=(count // 2, 3))
-    w[1, ::8] = w[0, ::8] * [-1, -1, 1]
-    w[1, 1::8] = w[0, 1::8]
-    w[..., 2] = np.abs(w[..., 2])
-    w /= np.linalg.norm(w, axis=-1, keepdims=True)
-    return tuple(w.astype(np.float32))
+    wi, wo = pairs(2048)
+    wo[::8], wo[1::8] = wi[::8] * [-1, -1, 1], wi[1::8]
+    return wi, wo
 
 
 def constant(model, z, tensor=None):
@@ -78,17 +70,17 @@ def textured(model, *codes):
     return AxisLatents(Baked.of_texels(model, texels, grid), texel_axes(grid))
 
 
-def evaluated(mi, latents, wi, wo) -> list:
-    """f (N) of each channel, Dr.Jit floats, at random places."""
+def evaluated(mi, latents, wi, wo) -> tuple:
+    """f (N) of each channel and the density (N), Dr.Jit floats, at random places."""
     uv = np.random.default_rng(4).random((len(wi), 2))
     si, active = spectrum.points(uv), mi.Bool(np.ones(len(wi), bool))
     si.wi = vector(wi)
-    return latents.f_and_pdf(latents.vertex(si, active), si, vector(wo), active)[0]
+    return latents.f_and_pdf(latents.vertex(si, active), si, vector(wo), active)
 
 
 @pytest.mark.parametrize("name", LOBES)
 @pytest.mark.parametrize("codes_of", [constant, textured])
-def test_f_agrees_with_numpy_and_is_reciprocal_to_the_last_bit(rgb, model, name, codes_of):
+def test_codes_agree_with_numpy_and_are_reciprocal_to_the_last_bit(rgb, model, name, codes_of):
     z = codes(name)
     wi, wo = directions()
     exact = z.astype(np.float64), *(w[:, None].astype(np.float64) for w in (wi, wo))
@@ -97,13 +89,21 @@ def test_f_agrees_with_numpy_and_is_reciprocal_to_the_last_bit(rgb, model, name,
     passed = transmittance.both_ways(exact[0][:, :6], *exact[1:])
     expected = model.networks.top(*exact) + passed * interpolated(table, wi, wo)
     latents = codes_of(model, z)
-    f = np.stack([x.numpy() for x in evaluated(rgb, latents, wi, wo)], axis=-1)
+    values, pdf = evaluated(rgb, latents, wi, wo)
+    f = np.stack([x.numpy() for x in values], axis=-1)
     assert np.isfinite(f).all()
     # Half vectors of float32 directions lose digits: |h_xy|^2 of a lobe of width 0.01 by 1e-3.
     # Coordinates of tables lose digits at grazing angles.
     np.testing.assert_allclose(f, expected, rtol=5e-3)
-    back = np.stack([x.numpy() for x in evaluated(rgb, latents, wo, wi)], axis=-1)
+    back = np.stack([x.numpy() for x in evaluated(rgb, latents, wo, wi)[0]], axis=-1)
     np.testing.assert_array_equal(f, back)
+    check_density(pdf, Material(z, model), wi, wo, codes_of)
+
+
+def check_density(pdf, material: Material, wi, wo, codes_of) -> None:
+    """Of one code the weights of lobes are linear between 129 cosines; logarithms are rounded."""
+    tolerance = 0.1 if codes_of is constant else 1e-3
+    np.testing.assert_allclose(pdf.numpy(), material.pdf(wi, wo), rtol=tolerance)
 
 
 @pytest.mark.parametrize("widths", [1, 2])
@@ -119,28 +119,27 @@ def test_channels_of_one_code_are_evaluated_once(rgb, codes_of, widths):
     same = codes_of(model, z[[0, 0, 0]], *([z[[1, 1, 1]]] if codes_of is textured else []))
     assert same.channels == 3
     np.testing.assert_array_equal(same.at(np.zeros((1, 2)))[0], z[[0, 0, 0]])
-    f = np.array([x.numpy() for x in evaluated(rgb, same, wi, wo)])
+    values, _ = evaluated(rgb, same, wi, wo)
+    f = np.array([x.numpy() for x in values])
     assert f.shape == (3, 500) and (f == f[0]).all()
     # Logarithms of small half angles are rounded.
     own = expected if codes_of is textured else expected[:1]
     assert (np.abs(f[0] / own - 1).min(axis=0) < 2e-3).all()
-    other = evaluated(rgb, codes_of(model, z[[0, 0, 1]]), wi, wo)
+    other, pdf = evaluated(rgb, codes_of(model, z[[0, 0, 1]]), wi, wo)
     for x, code in zip(other, (0, 0, 1), strict=True):
         np.testing.assert_allclose(x.numpy(), expected[code], rtol=2e-3)
+    check_density(pdf, Material(z[[0, 0, 1]], model), wi, wo, codes_of)
 
 
 def slopes(model, codes, wi, wo):
-    """Derivatives (C, N, size) of f by the codes (C, size), in double precision."""
-    own = codes[:, None, :6]
-    top = [numpy_lobe.f(own + 1e-20j * step, wi, wo).imag / 1e-20 for step in np.eye(6)]
-    functions = model.networks.basis.at(wi, wo)
-    rest = decode(codes[:, None, model.arch.lobe :], functions)
-    for place in (0, 3, 4):  # the width, the factor and the index
-        low, high = (own + sign * 1e-6 * np.eye(6)[place] for sign in (-1, 1))
-        change = transmittance.both_ways(high, wi, wo) - transmittance.both_ways(low, wi, wo)
-        top[place] = top[place] + rest * change / 2e-6
-    of_rest = (transmittance.both_ways(own, wi, wo) * rest)[..., None] * functions[:, 1:]
-    return np.concatenate([np.stack(top, axis=-1), of_rest], axis=-1)
+    """Derivatives (C, N, size) of f by the codes (C, size), differences in double precision."""
+    step = 1e-6 * np.eye(codes.shape[1])
+    step[5] *= codes[0, 5] > 0  # k, of metals alone
+    low, high = (
+        model.networks.f(codes[:, None, None] + sign * step, wi[:, None], wo[:, None])
+        for sign in (-1, 1)
+    )
+    return (high - low) / 2e-6
 
 
 @pytest.mark.parametrize("name", SMOOTH)
@@ -158,7 +157,7 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name):
     wi, wo = wi[~critical], wo[~critical]
     tensor = rgb.TensorXf(codes.astype(np.float32))
     dr.enable_grad(tensor)
-    f = evaluated(rgb, constant(model, codes.astype(np.float32), tensor), wi, wo)
+    f, _ = evaluated(rgb, constant(model, codes.astype(np.float32), tensor), wi, wo)
     weights = np.random.default_rng(3).uniform(0.5, 1.5, (3, len(wi)))
     each = zip(f, weights.astype(np.float32), strict=True)
     dr.backward(sum(dr.sum(x * rgb.Float(weight)) for x, weight in each))
@@ -169,37 +168,14 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name):
     assert error.max() < 1e-3
 
 
-@pytest.fixture(scope="module")
-def decoder():
-    """By their basis, f of codes of the shipped networks: of a dielectric, a metal and no lobe."""
-    shipped = default_model()
-    rest = np.random.default_rng(0).normal(size=(3, shipped.arch.functions)) * 0.2
-    lobes = [LOBES["dielectrics"][1], (0.1, 0.8, 1, 0, 1.5, 0), numpy_lobe.NO_LOBE]
-    z = np.concatenate([lobes, rest], axis=1).astype(np.float32)
+def test_derivatives_by_directions_are_differences(rgb, model):
+    latents, wo = textured(model, codes("dielectrics")), rgb.Vector3f(-0.5, 0.17, 0.6)
 
-    def f(mi, wi, wo):
-        found = BasisDecoder(shipped, ANY_LOBE)
-        terms = found.code_terms([[mi.Float(float(x)) for x in channel] for channel in z])
-        return found.f_of_terms(terms, wi, wo)
-
-    return f, lambda wi, wo: shipped.networks.f(z[:, None], wi, wo)
-
-
-def test_the_basis_agrees_with_numpy(variant, decoder):
-    import mitsuba as mi
-
-    f, expected = decoder
-    wi, wo = pairs()
-    found = np.array([x.numpy() for x in f(mi, vector(wi), vector(wo))])
-    # functions of 16 bits: half a level of each, of 2.5e-4 of a logarithm at most
-    np.testing.assert_allclose(found, expected(wi, wo), rtol=1e-3)
-    assert table_of(default_model()) is table_of(default_model())  # plugins share it
-
-
-def test_derivatives_by_directions_are_differences(rgb, decoder):
     def f(x):
-        wi = dr.normalize(rgb.Vector3f(0.31 + x, 0.2, 0.9))
-        return decoder[0](rgb, wi, dr.normalize(rgb.Vector3f(-0.5, 0.17, 0.6)))[0]
+        si = spectrum.points(np.zeros((1, 2)))
+        si.wi = dr.normalize(rgb.Vector3f(0.31 + x, 0.2, 0.9))
+        vertex, active = latents.vertex(si, rgb.Bool(True)), rgb.Bool(True)
+        return latents.f_and_pdf(vertex, si, dr.normalize(wo), active)[0][0]
 
     change = rgb.Float(0)
     dr.enable_grad(change)

@@ -19,7 +19,7 @@ from urushi.textures.store import TexelGrid
 PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (5, 6, 3)).astype(np.float32)
 
 
-def described(mi, networks, **properties) -> dict:
+def described(networks, **properties) -> dict:
     return {
         "type": "neural_layered",
         "weights": str(networks),
@@ -29,7 +29,7 @@ def described(mi, networks, **properties) -> dict:
     }
 
 
-def loaded(mi, path, networks):
+def loaded(path, networks):
     return mi.load_dict({"type": "neural_brdf", "filename": str(path), "weights": str(networks)})
 
 
@@ -39,7 +39,7 @@ def baked(networks, tmp_path_factory):
     mi.set_variant("llvm_ad_rgb")
     path = tmp_path_factory.mktemp("saved") / "coat.safetensors"
     shear = mi.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
-    coat = described(mi, networks, to_uv=shear, wrap_mode="mirror")
+    coat = described(networks, to_uv=shear, wrap_mode="mirror")
     # A file keeps its ratios: a coat of the plugin does, too, where `ext_ior` is given.
     bsdf = mi.load_dict(coat | {"ext_ior": "air", "resolution": 9})
     bsdf.save(path)
@@ -53,11 +53,9 @@ def saved(rgb, baked, tmp_path):
     return bsdf, Path(shutil.copy(path, tmp_path))
 
 
-def test_texels_have_the_codes_of_the_places_and_are_written_the_same_again(
-    rgb, networks, saved, tmp_path
-):
+def test_texels_have_the_codes_of_the_places_and_are_written_again(networks, saved, tmp_path):
     bsdf, path = saved
-    again = loaded(rgb, path, networks)
+    again = loaded(path, networks)
     grid = again.latents.baked.grid
     assert grid == TexelGrid(9, 9)
     expected = bsdf.latents.at(grid.uv())
@@ -70,22 +68,22 @@ def test_texels_have_the_codes_of_the_places_and_are_written_the_same_again(
 
 def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
     path = tmp_path / "coat.safetensors"
-    bsdf = rgb.load_dict(described(rgb, networks) | {"albedo": 0.5})
+    bsdf = rgb.load_dict(described(networks) | {"albedo": 0.5})
     bsdf.save(path)
     material = urushi.load(path, networks)
     np.testing.assert_array_equal(material.latents, bsdf.latents.at(np.zeros((1, 2)))[0])
-    assert str(loaded(rgb, path, networks))
+    assert str(loaded(path, networks))
 
 
 def test_a_saved_texture_can_be_coated(rgb, networks, saved):
     """At the centres of texels, f is that of the coat over the plugin that was saved."""
     bsdf, path = saved
-    grid = loaded(rgb, path, networks).latents.baked.grid
+    grid = loaded(path, networks).latents.baked.grid
     coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05, "resolution": 9}
     wi, wo = (np.tile(w, (grid.texels, 1)) for w in ([0.6, 0, 0.8], [0, 0.28, 0.96]))
     found, expected = (
         probing.bsdf_values(rgb.load_dict(coat | {"base": base}), wi, wo, grid.uv())
-        for base in (loaded(rgb, path, networks), bsdf)
+        for base in (loaded(path, networks), bsdf)
     )
     np.testing.assert_allclose(found, expected, rtol=0.02)
 
@@ -96,7 +94,7 @@ def test_a_saved_texture_under_unusual_coats_warns_once(rgb, networks, saved):
     texture = bitmap(np.linspace(1, 20, 16).reshape(4, 4, 1))
     coat = {"type": "neural_layered", "weights": str(networks), "albedo": 1.0, "g": 0.95}
     with pytest.warns(UrushiWarning) as caught:
-        base = loaded(rgb, saved[1], networks)
+        base = loaded(saved[1], networks)
         grid = rgb.load_dict(coat | {"sigma_t": texture, "base": base}).latents.baked.grid
     below = base.latents.baked.grid
     assert grid.width % below.width == grid.height % below.height == 0
@@ -137,7 +135,7 @@ def test_a_damaged_file_and_other_versions_are_refused(rgb, networks, saved, cha
     description.pop("kind")
     files.write_tensors(path, "texture", description, arrays)
     with pytest.raises(RuntimeError, match=f"FileError: .*{sentence}"):
-        loaded(rgb, path, networks)
+        loaded(path, networks)
 
 
 def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
@@ -145,4 +143,4 @@ def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
     other = tmp_path / "other.safetensors"
     weights.save(other, model.arch, {k: 2 * x for k, x in model.params.items()}, {})
     with pytest.raises(RuntimeError, match="FileError: .* does not match the weights"):
-        loaded(rgb, path, other)
+        loaded(path, other)

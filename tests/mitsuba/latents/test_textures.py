@@ -2,18 +2,13 @@
 
 import numpy as np
 import pytest
-from tests.mitsuba.probes import bitmap, nearly, strip, vector
+from tests.directions import pairs_above
+from tests.mitsuba.probes import bitmap, f, nearly, strip
 
 from urushi.core.appearance import LOOK
-from urushi.mitsuba.reading import probing
 from urushi.nets.weights import default_model
 
 COAT = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
-
-
-def uniform(mi, name: str, value: float):
-    """A parameter that is the same everywhere; a texture of codes, for codes are not a table."""
-    return value if name == "layered" else nearly(value)
 
 
 def load(mi, name, networks, **properties):
@@ -23,15 +18,11 @@ def load(mi, name, networks, **properties):
     return mi.load_dict({"type": name, "base": base, **extra, **coat, **properties})
 
 
-def mean_and_error(mi, bsdf, uv, count: int = 1 << 14) -> tuple[np.ndarray, np.ndarray]:
-    """f cos averaged over directions, at points around uv, and its standard error."""
-    rng = np.random.default_rng(0)
-    w = rng.normal(size=(2, count, 3))
-    w[..., 2] = np.abs(w[..., 2]) + 0.2
-    wi, wo = (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
-    si = probing.interaction(wi, np.broadcast_to(np.float32(uv), (count, 2)))
-    value = bsdf.eval(mi.BSDFContext(), si, vector(wo)).numpy()
-    return value.mean(axis=1), value.std(axis=1) / count**0.5
+def mean_and_error(bsdf, uv) -> tuple[np.ndarray, np.ndarray]:
+    """f averaged over directions, at a point, and its standard error."""
+    wi, wo = pairs_above(1 << 12, 0, 0.2)
+    value = f(bsdf, wi, wo, uv)
+    return value.mean(axis=0), value.std(axis=0) / len(wi) ** 0.5
 
 
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
@@ -50,9 +41,10 @@ def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, par
         si = rgb.SurfaceInteraction3f()
         # Mitsuba's bitmaps have v upwards: the first row is at the top
         si.uv = uv = ((column + 0.5) / 3, (row + 0.5) / 2)
-        value = uniform(rgb, name, float(shown.eval_1(si)[0]))
+        value = float(shown.eval_1(si)[0])
+        value = value if name == "layered" else nearly(value)  # codes, not a table
         (a, error_a), (b, error_b) = (
-            mean_and_error(rgb, bsdf, uv, 1 << 12)
+            mean_and_error(bsdf, uv)
             for bsdf in (load(rgb, name, networks, **{parameter: value}), textured)
         )
         noise = 5 * np.hypot(error_a, error_b) if name == "layered" else 1e-2 * a
@@ -66,7 +58,7 @@ def test_dark_texels_of_a_width_are_the_least_width(rgb, networks, name):
     dark, other = strip(0.0, 0.3), {"albedo": strip(0.2, 0.7)}
     for black, least, more in ((dark, strip(0.01, 0.3), {}), (strip(0.0, 0.0), 0.01, other)):
         found, expected = (
-            mean_and_error(rgb, load(rgb, name, networks, alpha=x, **more), (0.25, 0.5))[0]
+            mean_and_error(load(rgb, name, networks, alpha=x, **more), (0.25, 0.5))[0]
             for x in (black, least)
         )
         np.testing.assert_allclose(found, expected, rtol=1e-5)
@@ -83,7 +75,7 @@ def test_dark_texels_of_a_nested_metal_are_the_least_width(rgb):
         metal = {"type": "roughconductor", "distribution": "ggx", "alpha": strip(width, 0.3)}
         return rgb.load_dict({"type": "neural_layered", "base": metal})
 
-    black, least = (mean_and_error(rgb, coat(width), (0.25, 0.5)) for width in (0.001, 0.01))
+    black, least = (mean_and_error(coat(width), (0.25, 0.5)) for width in (0.001, 0.01))
     np.testing.assert_array_equal(black[0], least[0])
 
 
@@ -91,21 +83,14 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb):
     """As of a constant one, within 5 %; only few azimuths contribute to the light of a narrow
     lobe, and a constant bottom has a table."""
     wi, wo = default_model().networks.pairs()
-    f = []
+    values = []
     for value in (float, nearly):
         widths = {"alpha_u": value(0.03), "alpha_v": value(0.5)}
         brushed = {"type": "roughconductor", "distribution": "ggx", **widths}
         coat = {"type": "neural_layered", "weights": "default", "bottom": brushed, **COAT}
-        bsdf = rgb.load_dict(coat)
-        f.append(probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5)))
-    expected, found = (x * (wi[:, 2:] * wo[:, 2:]) for x in f)
+        values.append(f(rgb.load_dict(coat), wi, wo, (0.5, 0.5)) * (wi[:, 2:] * wo[:, 2:]))
+    expected, found = values
     assert np.abs(found - expected).sum() < 0.05 * expected.sum()
-
-
-def f_at(mi, bsdf, uv) -> np.ndarray:
-    """f cos (3, M) of a pair of directions at points uv (M, 2)."""
-    si = probing.interaction(np.tile([0.6, 0, 0.8], (len(uv), 1)), uv)
-    return bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(0, 0.28, 0.96)).numpy()
 
 
 @pytest.mark.parametrize(
@@ -131,8 +116,9 @@ def test_a_parameter_has_the_values_of_its_texture(rgb, networks, properties):
     low, high = np.min(data), np.max(data)
     line = bitmap(np.float32([low, high]).reshape(1, 2, 1), wrap_mode="clamp")
     places = 0.25 + 0.5 * (values - low) / (high - low)  # the centres of the line's two texels
+    wi, wo = (np.tile(w, (len(uv), 1)) for w in ([0.6, 0, 0.8], [0, 0.28, 0.96]))
     found, expected = (
-        f_at(rgb, load(rgb, "neural_layered", networks, albedo=albedo), at)
+        f(load(rgb, "neural_layered", networks, albedo=albedo), wi, wo, at)
         for albedo, at in ((texture, uv), (line, np.stack([places, 0 * places], axis=-1)))
     )
     np.testing.assert_allclose(found, expected, rtol=1e-3)

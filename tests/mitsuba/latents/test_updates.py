@@ -1,5 +1,6 @@
 """After a change through `mi.traverse`, codes are those of a coat that is loaded anew."""
 
+import mitsuba as mi
 import numpy as np
 import pytest
 from tests.mitsuba import probes
@@ -16,7 +17,7 @@ def noise(channels: int, seed: int = 0) -> np.ndarray:
     return np.random.default_rng(seed).permutation(numbers).reshape(SIDE, SIDE, channels)
 
 
-def described(mi, networks, **properties) -> dict:
+def described(networks, **properties) -> dict:
     return {
         "type": "neural_layered",
         "weights": str(networks),
@@ -28,7 +29,7 @@ def described(mi, networks, **properties) -> dict:
     }
 
 
-def changed(mi, bsdf, values: dict) -> None:
+def changed(bsdf, values: dict) -> None:
     """Set parameters to numbers and arrays."""
     tensors = {k: x if np.ndim(x) == 0 else mi.TensorXf(np.float32(x)) for k, x in values.items()}
     probes.update(bsdf, tensors)
@@ -46,7 +47,7 @@ def check_equal(bsdf, fresh) -> None:
 
 
 def test_changes_of_numbers_and_textures(rgb, networks):
-    bsdf = rgb.load_dict(described(rgb, networks))
+    bsdf = rgb.load_dict(described(networks))
     narrow, wide = 0.2 + 0.6 * noise(3, 2), 1.2 * noise(3, 3) - 0.1
     larger, now = np.repeat(noise(3), 2, axis=0), {"sigma_t": 2.0}
     base = {"type": "diffuse", "reflectance": bitmap(narrow)}
@@ -59,8 +60,8 @@ def test_changes_of_numbers_and_textures(rgb, networks):
             {"albedo": bitmap(larger), "base": base},
         ),
     ):
-        changed(rgb, bsdf, given)
-        check_equal(bsdf, rgb.load_dict(described(rgb, networks, **now | properties)))
+        changed(bsdf, given)
+        check_equal(bsdf, rgb.load_dict(described(networks, **now | properties)))
 
 
 def test_changes_within_ranges_bake_nothing(rgb, networks, few_points):
@@ -68,7 +69,7 @@ def test_changes_within_ranges_bake_nothing(rgb, networks, few_points):
     one = {"type": "neural_layered", "body": 0.6, "body_color": bitmap(noise(3))}
     for coat, kept, baking in (
         (
-            described(rgb, networks),
+            described(networks),
             {"albedo.data": 0.2 + 0.6 * noise(3), "bottom.reflectance.data": noise(3, 2)},
             {"sigma_t.value": 2.0},
         ),
@@ -80,37 +81,37 @@ def test_changes_within_ranges_bake_nothing(rgb, networks, few_points):
     ):
         bsdf = rgb.load_dict(coat)
         baked = bsdf.latents.baked
-        changed(rgb, bsdf, kept)
+        changed(bsdf, kept)
         assert bsdf.latents.baked is baked
-        changed(rgb, bsdf, baking)
+        changed(bsdf, baking)
         assert bsdf.latents.baked is not baked
 
 
 def test_changes_of_nested_bsdfs(rgb, networks, few_points):
     """A constant of a textured bottom, and a texture of a nested coat."""
     base = {"type": "roughconductor", "alpha": bitmap(noise(1)), "distribution": "beckmann"}
-    inner, pixels = described(rgb, networks), noise(3)
+    inner, pixels = described(networks), noise(3)
     pixels[0, 0] = 0.95
     for below, key, value, changes in (
         (base, "bottom.eta.value", 0.5, {"eta": 0.5, "k": 1.0}),
         (inner, "bottom.albedo.data", pixels, {"albedo": bitmap(pixels)}),
     ):
-        bsdf = rgb.load_dict(described(rgb, networks, albedo=0.5, base=below))
-        changed(rgb, bsdf, {key: value})
-        fresh = described(rgb, networks, albedo=0.5, base=below | changes)
+        bsdf = rgb.load_dict(described(networks, albedo=0.5, base=below))
+        changed(bsdf, {key: value})
+        fresh = described(networks, albedo=0.5, base=below | changes)
         check_equal(bsdf, rgb.load_dict(fresh))
 
 
 def test_a_change_out_of_range_can_be_taken_back(rgb, networks, few_points):
     """But for a bitmap of four channels, which Mitsuba would read beyond its end."""
-    bsdf = rgb.load_dict(described(rgb, networks))
+    bsdf = rgb.load_dict(described(networks))
     before = codes(bsdf)
     with pytest.raises(ParameterError, match="albedo is .*; it must be"):
-        changed(rgb, bsdf, {"albedo.data": noise(3) + 1})
-    changed(rgb, bsdf, {"albedo.data": noise(3)})
+        changed(bsdf, {"albedo.data": noise(3) + 1})
+    changed(bsdf, {"albedo.data": noise(3)})
     np.testing.assert_array_equal(codes(bsdf), before)
     with pytest.raises((ParameterError, RuntimeError), match="changed to .*4 channels"):
-        changed(rgb, bsdf, {"albedo.data": noise(4)})
+        changed(bsdf, {"albedo.data": noise(4)})
 
 
 @pytest.mark.parametrize("plugin", ("neural_layered", "layered"))

@@ -1,11 +1,11 @@
 """`energy_compensation`: the white furnace, reciprocity, colours, and what is left as it is."""
 
-import math
-
-import drjit as dr
 import numpy as np
 import pytest
-from tests.mitsuba.probes import f, strip, walked
+from tests.directions import at_cosines
+from tests.mitsuba.probes import f, sampled, strip, walked
+
+import urushi
 
 PLUGINS = ("layered", "neural_layered")
 COSINES = (0.2, 0.6, 1.0)
@@ -17,21 +17,10 @@ def coat(name: str, on: bool = True, reflectance=1.0, **properties) -> dict:
     return {"type": name, "energy_compensation": on, "int_ior": 1.5, "base": base, **properties}
 
 
-def furnace(mi, bsdf: dict, count: int = 1 << 16, u: float = 0.0, azimuth: float = 0.0):
+def furnace(mi, bsdf: dict, count: int = 1 << 16, u: float = 0.0):
     """Directional albedos (cosines, 3) at a place by samples, and their standard errors."""
-    loaded, found = mi.load_dict(bsdf), []
-    for index, cosine in enumerate(COSINES):
-        si = dr.zeros(mi.SurfaceInteraction3f, count)
-        sine = (1 - cosine**2) ** 0.5
-        si.wi = mi.Vector3f(sine * math.cos(azimuth), sine * math.sin(azimuth), cosine)
-        si.uv = mi.Point2f(u, 0.5)
-        rng = mi.PCG32(size=count, initstate=index)
-        si.p = mi.Point3f(rng.next_float32(), 0, 0)  # other walks
-        random = rng.next_float32(), mi.Point2f(rng.next_float32(), rng.next_float32())
-        _, weight = loaded.sample(mi.BSDFContext(), si, *random)
-        weight = weight.numpy()
-        found.append((weight.mean(axis=1), weight.std(axis=1) / count**0.5))
-    return np.moveaxis(np.array(found), 1, 0)
+    weight, _ = sampled(mi.load_dict(bsdf), at_cosines(COSINES), count, (u, 0.5), "Radiance")
+    return weight.mean(axis=1), weight.std(axis=1) / count**0.5
 
 
 def test_the_lobe_is_reciprocal_and_coloured(rgb, random_directions):
@@ -95,8 +84,6 @@ def test_texels_are_as_they_are_alone(rgb, middle):
 @pytest.mark.parametrize("name", PLUGINS)
 def test_plugins_agree_with_python(rgb, name):
     """Within 2 %, the error of the networks, and five standard errors."""
-    import urushi
-
     color, w = [0.8, 0.3, 0.05], np.float32([[0.6, 0, 0.8], [0, 0.6, 0.8]])
     stack = urushi.coat(urushi.diffuse(color), 0.5, ior=1.5, energy_compensation=True)
     expected, error = urushi.simulate(stack, w[:1], w[1:], walks=1 << 14)

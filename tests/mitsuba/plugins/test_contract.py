@@ -236,24 +236,48 @@ def values(bsdf, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
 
 
 @each_plugin
-def test_wrappers_change_nothing(rgb, bsdf, name):
+def test_wrappers_take_their_share(rgb, bsdf, name):
     """Where they are read; the same random numbers give the same walks."""
-    other = {"type": "roughdielectric"} if CASES[name].across else {"type": "diffuse"}
+    black = {"type": "diffuse", "reflectance": 0.0}
     first, second = (strip(*w, filter_type="nearest") for w in ((0.0, 1.0), (1.0, 0.0)))
-    wrappers = {
-        "normalmap": {"normalmap": strip([0.5, 0.5, 1.0]), "inner": bsdf},
-        "bumpmap": {"map": strip(0.5), "inner": bsdf},
-        "mask": {"opacity": 1.0, "inner": bsdf},
-        "blendbsdf": {"weight": first, "one": bsdf, "two": other},
-        "twosided": {"inner": bsdf},
-    }
-    if CASES[name].across:
-        del wrappers["twosided"]
-    expected = values(bsdf, *pairs(name, 36, 3))
-    second = {"type": "blendbsdf", "weight": second, "one": other, "two": bsdf}
-    for described in (second, *({"type": kind} | x for kind, x in wrappers.items())):
-        found = values(rgb.load_dict(described), *pairs(name, 36, 3))
-        np.testing.assert_allclose(found, expected, 1e-4, 1e-7, err_msg=described["type"])
+    wrappers = [
+        (1, {"type": "normalmap", "normalmap": strip([0.5, 0.5, 1.0]), "inner": bsdf}),
+        (1, {"type": "bumpmap", "map": strip(0.5), "inner": bsdf}),
+        *((x, {"type": "mask", "opacity": x, "inner": bsdf}) for x in (1.0, 0.4)),
+        (1, {"type": "blendbsdf", "weight": first, "one": bsdf, "two": black}),
+        (1, {"type": "blendbsdf", "weight": second, "one": black, "two": bsdf}),
+        (0.75, {"type": "blendbsdf", "weight": 0.25, "one": bsdf, "two": black}),
+    ]
+    (wi, wo), down = pairs(name, 36, 3), np.float32([1, 1, -1])
+    expected = values(bsdf, wi, wo)
+    for share, described in wrappers:
+        found = values(rgb.load_dict(described), wi, wo)
+        np.testing.assert_allclose(found, share * expected, 1e-4, 1e-7, err_msg=str(described))
+    if CASES[name].across is None:
+        both = rgb.load_dict({"type": "twosided", "inner": bsdf})
+        for sides in ((wi, wo), (wi * down, wo * down)):
+            np.testing.assert_allclose(values(both, *sides), expected, 1e-4, 1e-7)
+
+
+def xml(type: str, name: str = "", **properties) -> str:
+    """A BSDF's dictionary as XML."""
+    inner = ""
+    for key, value in properties.items():
+        if isinstance(value, dict):
+            inner += xml(name=key, **value)
+        else:
+            tag = {bool: "boolean", float: "float", str: "string"}[value.__class__]
+            text = str(value).lower() if tag == "boolean" else value
+            inner += f'<{tag} name="{key}" value="{text}"/>'
+    label = f'name="{name}"' if name else 'version="3.0.0"'
+    return f'<bsdf type="{type}" {label}>{inner}</bsdf>'
+
+
+@pytest.mark.parametrize("name", EACH)
+def test_xml_describes_the_same(rgb, describe, bsdf, name):
+    read = rgb.load_string(xml(**describe(name)))
+    assert str(read) == str(bsdf)
+    np.testing.assert_array_equal(*(values(x, *pairs(name, 36, 3)) for x in (read, bsdf)))
 
 
 @each_plugin

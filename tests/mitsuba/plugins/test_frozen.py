@@ -12,8 +12,9 @@ from urushi.core.direction_sets import cosine_pairs
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.recording import signature_of
 
-LAYERED = "layered", "neural_layered"
-COAT = {"alpha": 0.2, "int_ior": 1.4, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
+COAT = {"alpha": 0.2, "int_ior": 1.4, "sigma_t": 0.8, "g": 0.3}
+GGX = {"type": "roughconductor", "distribution": "ggx"}
+COLOURS = np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)).astype(np.float32)
 
 
 @pytest.fixture(autouse=True)
@@ -26,80 +27,68 @@ def no_garbage():
     gc.enable()
 
 
-def coat(name: str, networks, textured: bool) -> dict:
-    pixels = np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)).astype(np.float32)
-    albedo = bitmap(pixels) if textured else 0.7
-    extra = {"weights": str(networks)} if name == "neural_layered" else {}
-    base = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.3}
-    return {"type": name, **COAT, "albedo": albedo, "base": base, **extra}
+def coat(networks, type="neural_layered", textured=False, **properties) -> dict:
+    """A coat by small networks, or `openpbr`, with some texture."""
+    if type == "openpbr":
+        weight = {"coat_weight": bitmap(COLOURS[..., :1])} if textured else {}
+        return {"type": type, **weight, **properties}
+    albedo = bitmap(COLOURS) if textured else 0.7
+    defaults = COAT | {"albedo": albedo} if "alpha_u" not in properties else {}
+    weights = {"weights": str(networks)} if type == "neural_layered" else {}
+    return {"type": type, "base": GGX | {"alpha": 0.3}, **defaults, **weights, **properties}
 
 
-def picture(mi, loaded, seed=0) -> np.ndarray:
-    return mi.render(loaded, spp=4, seed=seed)
+NUMBERS = {"sigma_t.value": (0.5, 1.0, 3.0), "eta": (1.35, 1.4, 1.6)}
+FLAT, GREY = np.full((4, 4, 3), 0.6), np.tile(COLOURS[..., :1], 3)
+RNG = np.random.default_rng(1)
+SIZES = [RNG.random((*size, 3)) for size in ((4, 4), (4, 4), (2, 7), (8, 3))]
+GLASS = {"type": "roughdielectric", "distribution": "ggx", "int_ior": 1.7}
+TWO_WIDTHS = {"alpha_u": 0.5, "alpha_v": 0.1}
+CLEAR = {"albedo": 0.0, "g": 0.0, "base": {"type": "diffuse"}}
+OPENPBR = {"type": "openpbr", "specular_roughness": 0.3}
+ROUGH = {"specular_roughness.value": (0.3, 0.5)}
+
+#: Properties of coats or of `openpbr`, and values that parameters take one after the other. Those
+#: of numbers and flags that code contains as literals need other code.
+CHANGES = {
+    f"{x}, {kind}": ({"type": x} | properties, values)
+    for x in ("layered", "neural_layered")
+    for kind, properties, values in (
+        ("constant", {}, NUMBERS),
+        ("compensated texture", {"textured": True, "energy_compensation": True}, NUMBERS),
+        ("slab", {"base": GLASS}, NUMBERS | {"alpha.value": (0.05, 0.1, 0.3)}),
+    )
+} | {
+    "two widths": (
+        {"type": "layered", "rotation": 30.0, "base": GGX | TWO_WIDTHS, **TWO_WIDTHS},
+        {"alpha_u.value": (0.05, 0.3), "rotation.value": (80.0, 10.0)}
+        | {"bottom.alpha_u.value": (0.1, 0.4)},
+    ),
+    "openpbr, coat": (
+        OPENPBR
+        | {"textured": True, "coat_roughness": 0.3}
+        | {"reference": True, "energy_compensation": False},
+        ROUGH,
+    ),
+    "openpbr, paper": (
+        OPENPBR | {"geometry_thin_walled": True, "subsurface_weight": 1.0}, ROUGH,
+    ),
+    "fuzz appears": ({"type": "openpbr"}, {"fuzz_weight.value": (0.0, 0.8)}),
+    "texels": (
+        {"textured": True}, {"albedo.data": (FLAT, GREY, FLAT, COLOURS, FLAT, GREY, *SIZES)},
+    ),
+    "places": ({"textured": True}, {"albedo.to_uv": (1.0, 1.5, 2.5, 1.2)}),
+    "a medium begins to scatter": (CLEAR | {"int_ior": "air"}, {"albedo.value": (0.0, 0.8)}),
+    "an interface appears": (CLEAR | {"int_ior": "air"}, {"eta": (1.0, 1.4)}),
+    "total reflection appears": (CLEAR, {"eta": (1.4, 0.7)}),
+}  # fmt: skip
 
 
-def changes(mi, networks) -> dict[str, tuple[dict, dict]]:
-    """Materials, and values that their parameters take one after the other.
-
-    Those of numbers and flags that code contains as literals need other code.
-    """
-    numbers = {"sigma_t.value": (0.5, 1.0, 3.0), "eta": (1.35, 1.4, 1.6)}
-    glass = {"type": "roughdielectric", "distribution": "ggx", "int_ior": 1.7}
-    two = {"alpha_u": 0.5, "alpha_v": 0.1}
-    brushed = {"type": "roughconductor", "distribution": "ggx", **two}
-    rough = {"specular_roughness.value": (0.3, 0.5)}
-    rng = np.random.default_rng(0)
-    weight = bitmap(rng.uniform(0.3, 0.8, (4, 4, 1)))
-    openpbr = {"type": "openpbr", "specular_roughness": 0.3}
-    coated = {"coat_weight": weight, "coat_roughness": 0.3, "reference": True}
-    coated["energy_compensation"] = False
-    clear = {"type": "neural_layered", "sigma_t": 0.8, "base": {"type": "diffuse"}}
-    flat, rows = np.full((4, 4, 3), 0.6), rng.uniform(0.2, 0.8, (4, 4, 1))
-    grey, texels = np.tile(rows, 3), rng.uniform(0.2, 0.8, (4, 4, 3))
-    sizes = [rng.random((*size, 3)) for size in ((4, 4), (4, 4), (2, 7), (8, 3))]
-    scales = [mi.ScalarTransform3f().scale([x, 3 - x]) for x in (1.0, 1.5, 2.5, 1.2)]
-    data = [mi.TensorXf(np.float32(x)) for x in (flat, grey, flat, texels, flat, grey, *sizes)]
-    found = {
-        "texels": (coat("neural_layered", networks, True), {"albedo.data": data}),
-        "places": (coat("neural_layered", networks, True), {"albedo.to_uv": scales}),
-    }
-    for name in LAYERED:
-        textured = coat(name, networks, True) | {"energy_compensation": True}
-        slab = {"type": name, **COAT, "base": glass}
-        found |= {
-            f"{name}, constant": (coat(name, networks, False), numbers),
-            f"{name}, compensated texture": (textured, numbers),
-            f"{name}, slab": (slab, numbers | {"alpha.value": (0.05, 0.1, 0.3)}),
-        }
-    return found | {
-        "two widths": (
-            {"type": "layered", **two, "rotation": 30.0, "base": brushed},
-            {"alpha_u.value": (0.05, 0.3), "rotation.value": (80.0, 10.0)}
-            | {"bottom.alpha_u.value": (0.1, 0.4)},
-        ),
-        "openpbr, coat": (openpbr | coated, rough),
-        "openpbr, paper": (
-            openpbr | {"geometry_thin_walled": True, "subsurface_weight": 1.0},
-            rough,
-        ),
-        "a medium begins to scatter": (clear | {"int_ior": "air"}, {"albedo.value": (0.0, 0.8)}),
-        "an interface appears": (clear | {"int_ior": "air"}, {"eta": (1.0, 1.4)}),
-        "total reflection appears": (clear, {"eta": (1.4, 0.7)}),
-        "fuzz appears": ({"type": "openpbr"}, {"fuzz_weight.value": (0.0, 0.8)}),
-    }
-
-
-@pytest.mark.parametrize(
-    "name",
-    [f"{x}, {y}" for x in LAYERED for y in ("constant", "compensated texture", "slab")]
-    + ["two widths", "openpbr, coat", "openpbr, paper", "texels", "places"]
-    + ["a medium begins to scatter", "an interface appears", "total reflection appears"]
-    + ["fuzz appears"],
-)
+@pytest.mark.parametrize("name", CHANGES)
 def test_replays_follow_changes(rgb, networks, few_points, name):
     """A replay gives what plain code does, and not what it gave before."""
-    description, values = changes(rgb, networks)[name]
-    bsdf = rgb.load_dict(description)
+    properties, values = CHANGES[name]
+    bsdf = rgb.load_dict(coat(networks, **properties))
     wi, wo = cosine_pairs(np.random.default_rng(1), 64)
     u = np.random.default_rng(2).random((3, 64), np.float32)
     numbers = probing.interaction(wi, u[:2].T), vector(wo), rgb.Float(u[0]), rgb.Point2f(u[1:])
@@ -109,10 +98,15 @@ def test_replays_follow_changes(rgb, networks, few_points, name):
         drawn, weight = bsdf.sample(context, si, u, v)
         return *bsdf.eval_pdf(context, si, wo), drawn.wo, weight
 
+    def value(key, x):
+        if key.endswith("to_uv"):
+            return rgb.ScalarTransform3f().scale([x, 3 - x])
+        return rgb.TensorXf(np.float32(x)) if isinstance(x, np.ndarray) else x
+
     frozen, former = dr.freeze(used), None
     steps = list(zip(*values.values(), strict=True))
     for step in steps:
-        update(bsdf, dict(zip(values, step, strict=True)))
+        update(bsdf, {k: value(k, x) for k, x in zip(values, step, strict=True)})
         gc.collect()
         found, expected = ([x.numpy() for x in run(bsdf, *numbers)] for run in (frozen, used))
         for replayed, plain in zip(found, expected, strict=True):
@@ -129,35 +123,26 @@ def test_a_signature_has_every_attribute(rgb):
     class Part:
         UNRECORDED = ("cache",)
 
-        def __init__(self):
-            self.flag, self.cache, self.numbers = False, 0, [rgb.Float(1), np.zeros(3)]
-            self.function = lambda: self.flag
+        def __init__(self, flag=False, cache=0, numbers=(1.0,), function=lambda: 1, parts=()):
+            self.flag, self.cache, self.function, self.parts = flag, cache, function, parts
+            self.numbers = [rgb.Float(numbers), *(np.full(3, x) for x in numbers)]
 
-    plugin = Part()
-    plugin.part = (Part(), {"a": 1.5})
+    def signatures(**attributes) -> list:
+        """Of a part, and of a plugin that holds it."""
+        part = Part(**attributes)
+        return [[type(x) for x in signature_of(y)] for y in (part, Part(parts=({"a": part}, 1.5)))]
 
-    def kinds():
-        return [type(x) for x in signature_of(plugin)]
-
-    before = kinds()
-    plugin.cache, plugin.numbers = 1, [rgb.Float(2), np.ones(3)]
-    assert kinds() == before
-    changes = [
-        lambda: setattr(plugin.part[0], "flag", True),
-        lambda: plugin.part[1].update(a=2.5),
-        lambda: plugin.numbers.append(rgb.Float(1)),
-        lambda: setattr(plugin, "numbers", None),
-        lambda: setattr(plugin, "function", lambda: True),
-    ]
-    for change in changes:
-        change()
-        before, former = kinds(), before
-        assert before != former
+    before = signatures()
+    assert signatures(cache=1, numbers=(2.0,)) == before
+    changes = {"flag": True, "numbers": (1.0, 1.0), "function": lambda: 2, "parts": {"a": 2.5}}
+    for name, value in changes.items():
+        found = signatures(**{name: value})
+        assert found[0] != before[0] and found[1] != before[1], name
 
 
 @pytest.mark.slow
 def test_gradients_inside_equal_those_outside(rgb, networks):
-    loaded = rgb.load_dict(spheres(coat("neural_layered", networks, False), integrator="prb"))
+    loaded = rgb.load_dict(spheres(coat(networks), integrator="prb"))
     parameters, key = rgb.traverse(loaded), "sphere0.bsdf.alpha.value"
 
     def step(loaded, parameters, seed):
@@ -181,13 +166,13 @@ def test_gradients_inside_equal_those_outside(rgb, networks):
 
 
 def test_updates_inside_are_refused(rgb, networks):
-    loaded = rgb.load_dict(spheres(coat("layered", networks, False)))
+    loaded = rgb.load_dict(spheres(coat(networks, "layered")))
     parameters, key = rgb.traverse(loaded), "sphere0.bsdf.alpha.value"
 
     def changed(loaded, parameters, value):
         parameters[key] = value
         parameters.update()
-        return picture(rgb, loaded)
+        return rgb.render(loaded, spp=4)
 
     with pytest.raises(RuntimeError, match="frozen") as caught:
         dr.freeze(changed)(loaded, parameters, rgb.Float(0.5))
@@ -202,19 +187,19 @@ def test_a_scene_is_freed_without_garbage_collection(rgb, networks, textured):
     """The garbage collector could free reference cycles while a function is recorded, which Dr.Jit
     cannot record."""
     assert not gc.isenabled()
-    bsdf = rgb.load_dict(coat("neural_layered", networks, textured))
+    bsdf = rgb.load_dict(coat(networks, textured=textured))
     loaded = rgb.load_dict(spheres(bsdf))
-    picture(rgb, loaded).numpy()
+    rgb.render(loaded, spp=4).numpy()
     codes = weakref.ref(bsdf.latents)
     del bsdf, loaded
     assert codes() is None
 
 
 def test_a_plugin_outlives_its_scene(rgb, networks):
-    bsdf = rgb.load_dict(coat("neural_layered", networks, False))
+    bsdf = rgb.load_dict(coat(networks))
     first, second = (rgb.load_dict(spheres(bsdf)) for _ in range(2))
-    expected = picture(rgb, first).numpy()
+    expected = rgb.render(first, spp=4).numpy()
     del first
     gc.collect()
-    found = dr.freeze(lambda loaded: picture(rgb, loaded))(second).numpy()
+    found = dr.freeze(lambda loaded: rgb.render(loaded, spp=4))(second).numpy()
     np.testing.assert_allclose(found, expected, rtol=1e-4)

@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 import pytest
-from tests.mitsuba.probes import check_walk, f, strip, walked
+from tests.mitsuba.probes import f, strip, walked
 
 import urushi
 from urushi.core import fresnel
@@ -22,17 +22,6 @@ def values(mi, description: dict, walks: int = 1) -> tuple[np.ndarray, np.ndarra
     """f [1/sr] of the pairs and its standard error."""
     f = walked(mi.load_dict(description), WI, WO, walks)[..., 0]
     return f.mean(axis=0), f.std(axis=0) / np.sqrt(walks)
-
-
-def test_coats_of_lower_indices_are_the_walk(rgb):
-    """Below air, and inside another coat; some directions are beyond the critical angle of 0.8."""
-    medium = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
-    bottom = {"type": "diffuse", "reflectance": 0.6}
-    low = {"type": "layered", "int_ior": 1.2, "ext_ior": 1.5, "base": bottom} | medium
-    nested = {"type": "layered", "int_ior": 1.5, "ext_ior": 1.0, "base": low} | medium
-    below = urushi.coat(urushi.diffuse(0.6), eta=1.2 / 1.5, **medium)
-    check_walk(rgb.load_dict(low), below)
-    check_walk(rgb.load_dict(nested), urushi.coat(below, eta=1.5, **medium))
 
 
 @pytest.mark.parametrize("base", [GOLD, GOLD | {"distribution": "beckmann"}])

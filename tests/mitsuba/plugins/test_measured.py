@@ -1,47 +1,34 @@
-"""The plugin `measured_brdf`: alone, and under the walk's and the networks' coats."""
-
-import runpy
-from pathlib import Path
+"""Values and colours of the plugin `measured_brdf`, and spectra of its files."""
 
 import numpy as np
 import pytest
 from tests.directions import pairs_above
-from tests.mitsuba.probes import check_walk
+from tests.measured import writers
+from tests.mitsuba.probes import f
 
 import urushi
 from urushi.measured import rgl
 from urushi.measured.rgl import srgb_weights
-from urushi.mitsuba.reading import probing
-
-COAT = {"alpha": 0.2, "albedo": 0.8, "sigma_t": 0.7, "g": 0.3}
 
 
 def test_values_are_those_of_the_reader(rgb, merl_file):
     wi, wo = pairs_above(2000, 0, 0.1)
     bsdf = rgb.load_dict({"type": "measured_brdf", "filename": str(merl_file)})
-    f = probing.bsdf_values(bsdf, wi, wo, np.zeros((len(wi), 2)))
-    np.testing.assert_allclose(f, urushi.load_measured(merl_file).f(wi, wo), rtol=1e-3)
-
-
-def test_under_layered_values_agree_with_the_simulation(rgb, merl_file):
-    measured = {"type": "measured_brdf", "filename": str(merl_file)}
-    coated = {"type": "layered", "int_ior": 1.5, "ext_ior": 1.0, **COAT, "base": measured}
-    stack = urushi.coat(urushi.load_measured(merl_file), eta=1.5, **COAT)
-    check_walk(rgb.load_dict(coated), stack)
+    expected = urushi.load_measured(merl_file).f(wi, wo)
+    np.testing.assert_allclose(f(bsdf, wi, wo), expected, rtol=1e-3)
 
 
 @pytest.fixture
 def ggx_file(tmp_path, monkeypatch):
     """Writes an RGL file of a rough GGX conductor of Schlick's reflectances (channels,)."""
-    writers = runpy.run_path(str(Path(__file__).parents[2] / "measured" / "writers.py"))
     monkeypatch.setattr(rgl, "TABLE_SHAPE", (64, 64, 16))  # enough for a wide lobe
 
     def write(r0, **options):
-        fields = writers["rgl_ggx_fields"](0.5, r0, size=32, elevations=12, **options)
+        fields = writers.rgl_ggx_fields(0.5, r0, size=32, elevations=12, **options)
         for name in ("vndf", "luminance"):  # Mitsuba wants the size of the measured values
             fields[name] = np.ones((1, 12, 32, 32), np.float32)
         path = tmp_path / "ggx.bsdf"
-        path.write_bytes(writers["tensor_file"](fields))
+        path.write_bytes(writers.tensor_file(fields))
         return str(path)
 
     return write
@@ -91,6 +78,6 @@ def test_colours_of_a_file_are_the_same_in_spectral_variants(spectral, ggx_file,
         material.save(path)
         expected = material.f(wi, wo)
     nm = np.arange(362, 830, 2.0)[:232]
-    f = f_at(spectral, spectral.load_dict({"type": plugin, "filename": path}), wi, wo, nm)
-    found = f @ srgb_weights(nm)
+    bsdf = spectral.load_dict({"type": plugin, "filename": path})
+    found = f_at(spectral, bsdf, wi, wo, nm) @ srgb_weights(nm)
     np.testing.assert_allclose(found.mean(axis=0), expected.mean(axis=0), rtol=2e-3, atol=1e-4)

@@ -14,6 +14,8 @@ pytestmark = pytest.mark.usefixtures("spectral")
 RED, GREEN, DULL = (0.9, 0.05, 0.02), (0.05, 0.9, 0.02), (0.1, 0.5, 0.3)
 GREY = {"type": "diffuse", "reflectance": 0.8}
 METAL = {"type": "roughconductor", "distribution": "ggx"}
+DARK = METAL | {"material": "none", "alpha": 0.3}
+COLOR = {"type": "rgb"}
 
 
 def coated(plugin: str, bottom: dict, **medium) -> dict:
@@ -23,10 +25,6 @@ def coated(plugin: str, bottom: dict, **medium) -> dict:
 def openpbr(plugin: str, color: dict) -> dict:
     coat = {"coat_weight": 1.0, "reference": plugin == "layered"}
     return {"type": "openpbr", "base_color": color, **coat}
-
-
-def rgb(color) -> dict:
-    return {"type": "rgb", "value": color}
 
 
 def texture(color) -> dict:
@@ -39,19 +37,15 @@ def texture(color) -> dict:
 #: are nearly black. Codes err by 3 %, those of dark metals and of a textured `openpbr` by more;
 #: three bands alone would by 25 %.
 MATERIALS = {
-    "colour": (lambda x: coated(x, GREY | {"reflectance": rgb(GREEN)}), 0.03, 0.003),
-    "openpbr": (lambda x: openpbr(x, rgb(RED)), 0.03, 0.003),
+    "colour": (lambda x: coated(x, GREY | {"reflectance": COLOR | {"value": GREEN}}), 0.03, 0.003),
+    "openpbr": (lambda x: openpbr(x, COLOR | {"value": RED}), 0.03, 0.003),
     "index": (lambda x: coated(x, METAL | {"material": "Au", "alpha": 0.2}), 0.03, 0.0),
     "texture": (lambda x: coated(x, GREY | {"reflectance": texture(GREEN)}), 0.03, 0.003),
     "depths": (lambda x: coated(x, GREY, sigma_t=texture(GREEN)), 0.03, 0.003),
     "media": (lambda x: coated(x, GREY, sigma_t=0.7, albedo=texture(GREEN)), 0.03, 0.003),
-    "metals": (lambda x: coated(x, dark_metal()), 0.03, 0.01),
+    "metals": (lambda x: coated(x, DARK | {"specular_reflectance": texture(GREEN)}), 0.03, 0.01),
     "textured openpbr": (lambda x: openpbr(x, texture((0.9, 0.3, 0.02))), 0.05, 0.003),
 }
-
-
-def dark_metal() -> dict:
-    return METAL | {"material": "none", "alpha": 0.3, "specular_reflectance": texture(GREEN)}
 
 
 @pytest.mark.parametrize("name", MATERIALS)

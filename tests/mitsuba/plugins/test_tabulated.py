@@ -88,6 +88,18 @@ def test_frozen_functions_tell_materials_apart(rgb, loaded, model, pairs):
         np.testing.assert_allclose(found.T, material.f(wi, wo), rtol=2e-3)
 
 
+def test_a_coat_over_a_saved_material_follows_its_codes(rgb, networks, loaded, model):
+    material = Material(materials(model)[1].latents, model)
+    inner, medium = loaded(material), {"albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
+    coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.1, "int_ior": 1.5}
+    for _ in range(2):
+        expected = urushi.layer(urushi.dielectric(0.1, ior=1.5), material, **medium)
+        found = rgb.load_dict(coat | medium | {"base": inner}).latents.material
+        np.testing.assert_allclose(found.latents, expected.latents, rtol=1e-4, atol=1e-4)
+        material = Material(material.latents + np.float32(0.1) * (np.arange(32) == 31), model)
+        update(inner, {"latents": rgb.TensorXf(material.latents)})
+
+
 @pytest.mark.slow
 def test_coats_over_measured_saved_and_coated_materials(rgb, merl_file, pairs, tmp_path):
     """As in Python; tables of coats are computed from those below."""

@@ -55,17 +55,24 @@ def test_transmission_and_smooth_reflection_are_left_out_with_a_warning(rgb, nam
         np.testing.assert_allclose(reading.values, 0.4 * 0.5 / np.pi, rtol=1e-4)
 
 
+ON_A_MESH = {"type": "mesh_attribute", "name": "vertex_color"}
+
+
 @pytest.mark.parametrize(
-    ("kind", "sentence"),
+    ("described", "sentence"),
     [
-        ("conductor", "encode SmoothConductor: the BSDF is perfectly smooth"),
-        ("dielectric", "is perfectly smooth, but a material must be rough"),
-        ("null", "reflects nothing but only transmits"),
+        ({"type": "conductor"}, "encode SmoothConductor: the BSDF is perfectly smooth"),
+        ({"type": "dielectric"}, "is perfectly smooth, but a material must be rough"),
+        ({"type": "null"}, "reflects nothing but only transmits"),
+        (
+            {"type": "principled", "base_color": ON_A_MESH},
+            "Principled: the BSDF depends on a mesh attribute",
+        ),
     ],
 )
-def test_bsdfs_without_rough_reflection_are_refused(rgb, kind, sentence):
+def test_bsdfs_without_rough_reflection_and_uv_are_refused(rgb, described, sentence):
     with pytest.raises(ParameterError, match=sentence):
-        as_source(rgb.load_dict({"type": kind}))
+        as_source(rgb.load_dict(described))
 
 
 def test_a_texture_is_read_at_the_middle_of_uv(rgb):
@@ -74,13 +81,6 @@ def test_a_texture_is_read_at_the_middle_of_uv(rgb):
     assert reading.deviations.textured
     assert "middle of uv" in reading.deviations.warnings()[0]
     assert len(np.unique(reading.values.round(6))) == 1
-
-
-def test_textures_that_are_not_over_uv_are_refused(rgb):
-    attribute = {"type": "mesh_attribute", "name": "vertex_color"}
-    bsdf = rgb.load_dict({"type": "principled", "base_color": attribute})
-    with pytest.raises(ParameterError, match="Principled: the BSDF depends on a mesh attribute"):
-        as_source(bsdf)
 
 
 @pytest.mark.slow
