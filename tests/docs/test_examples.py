@@ -18,6 +18,13 @@ DOCS = ROOT / "docs"
 
 PYTHON_BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
+#: What blocks of pages need.
+DIRECTIONS = """
+import numpy as np
+import urushi
+wi, wo = np.array([[0.0, 0.6, 0.8]]), np.array([[0.36, -0.48, 0.8]])
+"""
+
 
 def run(folder: Path, *arguments: str | Path) -> str:
     """Run a script in a folder, or a block of code, and return what it prints."""
@@ -79,14 +86,9 @@ def test_textures(tmp_path):
 def test_anisotropy(tmp_path):
     """The blocks of the page run; the script draws both pictures."""
     blocks = PYTHON_BLOCK.findall((DOCS / "anisotropy.md").read_text())
-    before = """
-import numpy as np
-import urushi
-wi, wo = np.array([[0.0, 0.6, 0.8]]), np.array([[0.36, -0.48, 0.8]])
-"""
     # A quarter of a turn exchanges x and y of the directions, here up to the signs.
     after = "\nassert np.array_equal(f, lacquered.f(wi[:, [1, 0, 2]], wo[:, [1, 0, 2]]))\n"
-    run(tmp_path, before + "".join(blocks) + after)
+    run(tmp_path, DIRECTIONS + "".join(blocks) + after)
     run(tmp_path, DOCS / "examples" / "anisotropy.py", tmp_path, "--size", "12", "--spp", "1")
     assert is_lit(tmp_path / "anisotropy.png", 12, 8)
 
@@ -98,13 +100,8 @@ def test_measured(tmp_path):
     synthetic_merl(tmp_path / "gold-paint.binary")
     blocks = PYTHON_BLOCK.findall((DOCS / "measured.md").read_text())
     assert len(blocks) == 2
-    before = """
-import numpy as np
-import urushi
-wi, wo = np.array([[0.0, 0.6, 0.8]]), np.array([[0.0, -0.6, 0.8]])
-"""
     after = "\nassert (f > 0).all() and (coated.f(wi, wo) > 0).all()\n"
-    run(tmp_path, before + "\n".join(blocks) + after)
+    run(tmp_path, DIRECTIONS + "\n".join(blocks) + after)
 
 
 @pytest.mark.parametrize("scene", sorted(DOCS.glob("cookbook/*.xml")), ids=lambda path: path.stem)

@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 from fan2022 import Material, PaperNetworks, load
 from fan2022.architecture import PaperArchitecture, init
-from fan2022.texels import CodeTexture
+from fan2022.texels import CodeTexture, choose
 from tests.directions import pairs_above
 from tests.mitsuba import probes
 
 import urushi
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.mitsuba.reading import probing
-from urushi.textures.store import TexelGrid
+from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +153,7 @@ def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs):
 
 
 def test_mip_levels_are_means_of_codes(rgb, paper):
-    """At a footprint of 2^k texels, the code is the mean of 2^k x 2^k texels."""
+    """At a footprint of 2^k texels, the code is the mean of 2^k x 2^k texels, or of all."""
     own, _ = paper
     codes = np.random.default_rng(4).normal(size=(32, 1, 32)).astype(np.float32)
     texture = CodeTexture(own, codes, TexelGrid(8, 4, nearest=True), mipmaps=True)
@@ -165,6 +165,28 @@ def test_mip_levels_are_means_of_codes(rgb, paper):
         si.duv_dx, si.duv_dy = rgb.Vector2f(size / 8, 0), rgb.Vector2f(0, size / 16)
         found = np.array([z.numpy() for z in texture.vertex(si)[0]]).ravel()
         np.testing.assert_allclose(found, mean, atol=1e-5)
+    odd = CodeTexture(own, codes[:15], TexelGrid(5, 3, nearest=True), mipmaps=True)
+    found = np.array([z.numpy() for z in odd.vertex(si)[0]]).ravel()
+    np.testing.assert_allclose(found, codes[:15].mean((0, 1)), atol=1e-5)
+
+
+def test_the_grid_resolves_all_textures_over_uv(rgb):
+    def bitmap(height, width, *factors):
+        pixels = np.random.default_rng(0).random((height, width, 1), np.float32)
+        place = rgb.ScalarTransform3f(np.diag(np.float32([*factors, 1])))
+        return rgb.load_dict(
+            {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True, "to_uv": place}
+        )
+
+    parts = {"alpha": bitmap(4, 6, 3, 1), "albedo": bitmap(5, 2, 1, 2)}
+    assert choose(parts, ONE_TEXEL, 0, "test") == TexelGrid(18, 10)
+    assert choose(parts, TexelGrid(30, 4), 0, "test") == TexelGrid(30, 10)
+    assert choose(parts, ONE_TEXEL, 9, "test") == TexelGrid(9, 9)
+    constant = rgb.load_dict({"type": "uniform", "value": 0.5})
+    assert choose({"alpha": constant}, ONE_TEXEL, 9, "test") == ONE_TEXEL
+    attribute = rgb.load_dict({"type": "mesh_attribute", "name": "vertex_color"})
+    with pytest.raises(ParameterError, match="depends on a mesh attribute"):
+        choose({"albedo": attribute}, ONE_TEXEL, 0, "test")
 
 
 @pytest.mark.parametrize(

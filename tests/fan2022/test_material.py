@@ -6,10 +6,11 @@ import pytest
 from benchmarks.evaluation import benchmark_set
 from benchmarks.evaluation import fan2022 as evaluation
 from benchmarks.evaluation.samples import Group
-from fan2022 import Material, PaperNetworks, networks
+from fan2022 import Material, PaperNetworks, layer, networks
 from fan2022.architecture import PaperArchitecture, init
 
 import urushi
+from urushi import dielectric
 from urushi.checks import CoatParameters
 from urushi.errors import FileError, ParameterError
 from urushi.nets.weights import SHIPPED, default_model, find
@@ -34,7 +35,7 @@ def test_encode_layer_save_and_load(paper, tmp_path):
     assert bottom.latents.shape == (1, 32)
     assert fan2022.encode(bottom, paper) is bottom
     medium = {"albedo": 0.5, "sigma_t": (0.5, 1.0, 2.0), "g": 0.3}
-    coated = fan2022.layer(urushi.dielectric(0.2, 1.5), bottom, **medium)
+    coated = layer(dielectric(0.2, 1.5), bottom, **medium)
     assert coated.latents.shape == (3, 32)
     material, weights = tmp_path / "coated.safetensors", tmp_path / "paper.safetensors"
     coated.save(material)
@@ -94,16 +95,10 @@ def test_too_many_interfaces_at_once_are_refused(paper):
     ("use", "sentence"),
     [
         (lambda m: fan2022.load("x", None), "path must be the path of a file, not None"),
-        (lambda m: fan2022.layer(urushi.dielectric(0.1, 1.5), urushi.diffuse(0.5)), "not Dielec"),
-        (lambda m: fan2022.layer(m, m), "layer needs a urushi.dielectric over a"),
-        (
-            lambda m: fan2022.layer(urushi.dielectric(0.1, 0.8), m),
-            "the coat's eta is 0.8, and the paper's networks cover",
-        ),
-        (
-            lambda m: fan2022.layer(urushi.dielectric(alpha_u=0.1, alpha_v=0.2, eta=1.5), m),
-            "alpha_u and alpha_v differ",
-        ),
+        (lambda m: layer(dielectric(0.1, 1.5), urushi.diffuse(0.5)), "not Dielec"),
+        (lambda m: layer(m, m), "layer needs a urushi.dielectric over a"),
+        (lambda m: layer(dielectric(0.1, 0.8), m), "eta is 0.8, and the paper's networks cover"),
+        (lambda m: layer(dielectric(alpha_u=0.1, alpha_v=0.2), m), "alpha_u and alpha_v differ"),
         (lambda m: m.sample([[0, 0, 1]], [[0.1]]), "u has shape"),
         (lambda m: m.save("x.txt"), "does not end in .safetensors"),
         (lambda m: Material("x", m.networks), "latents must be an array of numbers"),

@@ -58,18 +58,13 @@ def test_rows_are_layered_as_in_one_pass_of_the_network(count, model, draw_codes
 def test_bits_do_not_depend_on_the_number_of_cores(model, draw_codes, monkeypatch):
     rng = np.random.default_rng(3)
     below, f = Material(draw_codes((H * W,), rng), model), glossy(rng, (H, W))
-    results = []
+    coated, codes = [], []
     for count in (1, 2, 5):
         monkeypatch.setattr(parallel, "available_cores", lambda count=count: count)
-        results.append(
-            (
-                layer_material(_coats(H * W), below, fast=True).latents,
-                limit_albedo(model, model.networks.encode(f)),
-            )
-        )
-    for coated, codes in results[1:]:
-        np.testing.assert_array_equal(coated, results[0][0])
-        np.testing.assert_array_equal(codes, results[0][1])
+        coated.append(layer_material(_coats(H * W), below, fast=True).latents)
+        codes.append(limit_albedo(model, model.networks.encode(f)))
+    for first, *others in (coated, codes):
+        assert all(np.array_equal(x, first) for x in others)
 
 
 def test_texels_are_encoded_like_plain_rows(model):

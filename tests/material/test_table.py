@@ -1,4 +1,4 @@
-"""Tables over directions: their nodes, and materials with a table, closer than any code."""
+"""Materials with a table over directions, closer than any code."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from tests.directions import at_cosines
 from tests.material.conftest import error, velvet
 
 from urushi.core.direction_sets import cosine_pairs
-from urushi.core.table import SHAPE, interpolated, node_directions, pair_coordinates
+from urushi.core.table import SHAPE, interpolated
 from urushi.errors import ParameterError
 from urushi.material import Material, encode, layer
 from urushi.material.albedo_rule import albedo_rule
@@ -22,17 +22,6 @@ def two_lobes(wi, wo):
     """A narrow and a wide lobe of metals over a diffuse term."""
     lobe = np.float32([[0.02, 0.2, 1, 0, 1.5, 0], [0.15, 0.5, 1, 0, 1.5, 0]])
     return lobes.f(lobe, wi[:, None], wo[:, None]).sum(axis=1) + 0.05
-
-
-def test_nodes_have_their_coordinates():
-    inner = np.random.default_rng(0).uniform(0.15, 0.9, (3, 200))
-    axes = np.meshgrid(*(np.linspace(0, 1, count) for count in SHAPE), indexing="ij")
-    for places, least in ((inner, 0), ([x.ravel() for x in axes], -1e-6)):
-        for w in node_directions(*places):
-            np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
-            assert w[:, 2].min() > least
-    # wi + wo loses digits in single precision where the half angle is small.
-    np.testing.assert_allclose(pair_coordinates(*node_directions(*inner)), inner, atol=2e-3)
 
 
 def test_the_table_of_a_code_is_its_f(model):

@@ -57,10 +57,7 @@ def test_a_mixture_does_not_depend_on_the_unit_of_its_parts():
 @pytest.mark.parametrize(
     ("paint", "sentence"),
     [
-        (
-            "vermilion",
-            "no paint is named 'vermilion'; the paints are bismuth vanadate yellow, bone",
-        ),
+        ("vermilion", "no paint is named 'vermilion'; the paints are bismuth vanadate yellow, "),
         ({WHITE: 0}, "the parts of a mixture are {'titanium white': 0}; give numbers above 0"),
         ({WHITE: 1, "bone black": -1}, "give numbers above 0"),
         ({}, "give numbers above 0"),

@@ -4,6 +4,7 @@ import struct
 
 import numpy as np
 import pytest
+from tests.oracles import surfaces
 
 from urushi.core.directions import directions_at
 
@@ -27,13 +28,7 @@ def merl_directions():
 
 def plastic(wi, wo, alpha=0.3):
     """A diffuse base under a GGX lobe with Schlick's Fresnel term, independent of Urushi's own."""
-    h = wi + wo
-    h /= np.linalg.norm(h, axis=1, keepdims=True)
-    i, o, n, d = wi[:, 2], wo[:, 2], h[:, 2], (wi * h).sum(1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        density = alpha**2 / (np.pi * (n**2 * (alpha**2 - 1) + 1) ** 2)
-        shadow = [2 / (1 + np.sqrt(1 + alpha**2 * (1 / c**2 - 1))) for c in (i, o)]
-        lobe = density * shadow[0] * shadow[1] / (4 * i * o) * (0.04 + 0.96 * (1 - d) ** 5)
+    lobe = surfaces.bottom("conductor", wi, wo, alpha, 0.04)
     return COLOUR / np.pi + lobe[:, None]
 
 

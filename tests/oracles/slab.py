@@ -9,6 +9,7 @@ reflectance of an interface is the same from inside at the refracted angle.
 import numpy as np
 import numpy.typing as npt
 from scipy import integrate
+from tests.oracles.surfaces import Fresnel
 from tests.oracles.surfaces import fresnel_dielectric as interface_reflectance
 
 
@@ -22,36 +23,20 @@ def _transmittance(sigma_t: float, cos: np.ndarray) -> np.ndarray:
     return np.exp(-sigma_t / np.where(cos > 0, cos, np.inf))
 
 
-def mirror_albedo(cos: npt.ArrayLike, eta: float, sigma_t: float, r0: float) -> np.ndarray:
-    """Directional albedo of an absorbing slab over a smooth conductor (Airy's sum, incoherent).
+def smooth(
+    cos: npt.ArrayLike, eta: float, sigma_t: float, below: Fresnel
+) -> tuple[np.ndarray, np.ndarray]:
+    """Reflected and transmitted share of the light on a slab (Stokes 1862; Airy, incoherent).
 
     Args:
         cos: incident cosines, any shape.
         eta: index of the slab relative to the outside, not 1.
         sigma_t: its optical depth, albedo 0.
-        r0: the conductor's reflectance at normal incidence; Schlick's law at the angle inside.
-    """
-    surface, inside = interface_reflectance(cos, eta), refracted(cos, eta)
-    round_trip = (r0 + (1 - r0) * (1 - inside) ** 5) * _transmittance(2 * sigma_t, inside)
-    twice = (1 - surface) ** 2 * round_trip
-    # Under total reflection the geometric series may be 0 / 0.
-    return surface + np.where(
-        surface < 1, twice / np.where(surface < 1, 1 - surface * round_trip, 1), 0
-    )
-
-
-def free(
-    cos: npt.ArrayLike, eta: float, far: float, sigma_t: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Reflected and transmitted share of the light on an absorbing slab (Stokes 1862, incoherent).
-
-    Args:
-        cos: incident cosines, any shape.
-        eta, far: index of the slab and of what lies beyond, relative to that before it.
-        sigma_t: optical depth of the slab.
+        below: what its bottom, a smooth interface or conductor, reflects at cosines inside.
     """
     first, inside = interface_reflectance(cos, eta), refracted(cos, eta)
-    last, through = interface_reflectance(inside, far / eta), _transmittance(sigma_t, inside)
+    last, through = below(inside), _transmittance(sigma_t, inside)
+    # Under total reflection the geometric series may be 0 / 0.
     left = (1 - first) / np.where(first < 1, 1 - first * last * through**2, 1)
     return first + left * (1 - first) * last * through**2, left * (1 - last) * through
 
@@ -81,7 +66,7 @@ def lambertian_f(
 
     Args:
         cos_i, cos_o: cosines of the directions, broadcast together.
-        eta, sigma_t: as for `mirror_albedo`.
+        eta, sigma_t: as for `smooth`.
         reflectance: of the Lambertian, in [0, 1].
     """
     result = np.ones(())

@@ -69,16 +69,17 @@ def transmission(wi: np.ndarray, wo: np.ndarray, alpha: float, eta: float) -> np
     return np.where(seen, passed * _facets(half, wi, wo, alpha), 0)
 
 
-#: f of bottoms by the kinds of a table, with its parameters after the directions.
-BOTTOMS = {
-    "conductor": lambda wi, wo, alpha, r0: reflection(
-        wi, wo, alpha, lambda c: fresnel_schlick(c, r0)
-    ),
-    "conductor_complex": lambda wi, wo, alpha, eta, k: reflection(
-        wi, wo, alpha, lambda c: fresnel_conductor(c, eta, k)
-    ),
-    "dielectric": lambda wi, wo, alpha, eta: reflection(
-        wi, wo, alpha, lambda c: fresnel_dielectric(c, eta)
-    ),
-    "diffuse": lambda wi, wo, reflectance: np.full(len(wi), reflectance / np.pi),
+FRESNEL = {
+    "conductor": fresnel_schlick,
+    "conductor_complex": fresnel_conductor,
+    "dielectric": fresnel_dielectric,
 }
+
+
+def bottom(kind: str, wi: np.ndarray, wo: np.ndarray, *numbers: float) -> np.ndarray:
+    """f of a kind of a table's bottoms, with its parameters."""
+    if kind == "diffuse":
+        return np.full(len(wi), numbers[0] / np.pi)
+    widths = 2 if kind.endswith("_anisotropic") else 1
+    fresnel = FRESNEL[kind.removesuffix("_anisotropic")]
+    return reflection(wi, wo, numbers[:widths], lambda c: fresnel(c, *numbers[widths:]))

@@ -4,9 +4,11 @@ import drjit as dr
 import numpy as np
 import pytest
 from tests.directions import in_plane, pairs_above
+from tests.measured import writers
 
 from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.random import stream
+from urushi.measured import Merl, tabulated
 from urushi.train.distribution import Extended
 from urushi.walk import conductor
 from urushi.walk.bottoms import KINDS
@@ -30,16 +32,23 @@ def directions(jit, theta):
     return wi + dr.zeros(jit.Array3f, SAMPLES), rng
 
 
-@pytest.mark.parametrize("theta", [0.2, 1.2])
-@pytest.mark.parametrize("kind", ["mixture", "measured_like", *METALS])
-def test_samples_follow_their_density_and_integrate_the_brdf(jit, kind, theta):
-    """The mean weight is the albedo, and the density integrates to the share that succeeds."""
+def bottoms(jit, kind):
+    """Six bottoms of a kind that training draws, one metal, or one measured table."""
+    if kind == "measured":
+        return [Merl(tabulated.tabulated(lambda *w: writers.plastic(*w, 0.1), (90, 90, 180)))]
     if kind in METALS:
         columns = from_stack(conductor(**METALS[kind], energy_compensation=True)).bottom
     else:
         columns = Extended(0, kind).sample(np.random.default_rng(3), 6).bottom
-    for numbers in zip(*columns.values(), strict=True):
-        bottom = KINDS[kind].bottom(*(jit.Float(float(x)) for x in numbers))
+    rows = zip(*columns.values(), strict=True)
+    return [KINDS[kind].bottom(*(jit.Float(float(x)) for x in row)) for row in rows]
+
+
+@pytest.mark.parametrize("theta", [0.2, 1.2])
+@pytest.mark.parametrize("kind", ["mixture", "measured_like", "measured", *METALS])
+def test_samples_follow_their_density_and_integrate_the_brdf(jit, kind, theta):
+    """The mean weight is the albedo, and the density integrates to the share that succeeds."""
+    for bottom in bottoms(jit, kind):
         wi, rng = directions(jit, theta)
         wo, weight, pdf = bottom.sample(wi, *(rng.next_float32() for _ in range(3)))
         succeeded = (pdf > 0).numpy()
@@ -48,12 +57,14 @@ def test_samples_follow_their_density_and_integrate_the_brdf(jit, kind, theta):
         grid = square_to_cosine_hemisphere(jit.Array3f, rng.next_float32(), rng.next_float32())
         f, density = bottom.f_pdf(wi, grid)
         # Four standard errors of either estimate; cosine sampling is the noisier one.
-        estimates = (f * dr.pi).numpy(), weight.numpy()
+        estimates = [np.atleast_2d(x.numpy()).mean(axis=0) for x in (f * dr.pi, weight)]
         error = 4 * sum(x.std() for x in estimates) / SAMPLES**0.5
         assert abs(estimates[0].mean() - estimates[1].mean()) < error
         values = (density * dr.pi / grid.z).numpy()
         error = 4 * values.std() / SAMPLES**0.5 + 2e-3
         assert abs(values.mean() - succeeded.mean()) < error
+        if kind == "measured":  # its lobes, which are fitted, follow the table
+            assert estimates[1].std() < 0.5 * estimates[1].mean()
 
 
 def test_lobes_of_special_exponents_are_those_of_conductors(jit):

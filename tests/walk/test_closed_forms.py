@@ -1,5 +1,7 @@
 """What has a closed form: bare surfaces, smooth coats and slabs, and media without an interface."""
 
+import functools
+
 import numpy as np
 import pytest
 from tests.directions import DOWN, at_cosines, in_plane, pairs_above
@@ -28,6 +30,8 @@ def pairs():
         conductor((0.05, 0.5, 1.0), (0.3, 0.5, 1.0)),
         conductor((0.05, 0.3, 1.0), eta=(0.2, 0.9, 1.5), k=(3.9, 2.4, 1.9)),
         dielectric(0.2, (1.1, 1.5, 3.0)),
+        conductor(alpha_u=0.5, alpha_v=(0.1, 0.6, 1.0), r0=0.5),
+        dielectric(eta=0.7, alpha_u=(0.05, 0.1, 0.8), alpha_v=0.3),
         diffuse((0.1, 0.5, 1.0)),
     ],
 )
@@ -37,7 +41,7 @@ def test_surfaces_without_coats_are_reciprocal_and_follow_their_formulas(surface
     assert f.dtype == np.float32 and f.shape == (500, 3)
     np.testing.assert_allclose(f, analytic.f(surface, wo, wi), rtol=1e-5)
     for channel, numbers in enumerate(zip(*table.bottom.values(), strict=True)):
-        expected = surfaces.BOTTOMS[table.kind](wi, wo, *map(float, numbers))
+        expected = surfaces.bottom(table.kind, wi, wo, *map(float, numbers))
         np.testing.assert_allclose(f[:, channel], expected, rtol=3e-4)
     for sides in ((wi, wo * DOWN), (wi * DOWN, wo), (wi * DOWN, wo * DOWN)):
         assert not analytic.f(surface, *sides).any()
@@ -65,8 +69,9 @@ def test_smooth_coats_on_a_mirror(eta: float) -> None:
     wi = in_plane([5.0, 35.0, 65.0])
     stack = coat(conductor(0.01, REFLECTANCE), 0.01, eta, albedo=0.0, sigma_t=SIGMA_T)
     found, se = albedo(stack, wi, walks=1 << 16, seed=3)
-    for channel, medium in enumerate(zip(SIGMA_T, REFLECTANCE, strict=True)):
-        expected = closed.mirror_albedo(wi[:, 2], eta, *medium)
+    for channel, (depth, r0) in enumerate(zip(SIGMA_T, REFLECTANCE, strict=True)):
+        below = functools.partial(surfaces.fresnel_schlick, r0=r0)
+        expected, _ = closed.smooth(wi[:, 2], eta, depth, below)
         # 1 %: light that GGX's tails reflect below the horizon is lost. Of total reflection they
         # mask less, and tilt 2e-4 of the facets by more than the 20 degrees to spare.
         allowed = np.where(expected == 1, 2e-3, 0.01 * expected) + 5 * se[:, channel]
@@ -85,7 +90,8 @@ def test_smooth_slabs_are_fresnels_sums_and_follow_beer_and_lambert(far: float) 
     ):
         shares = [albedo(stack, wi, walks=1 << 16, seed=1, transmitted=x) for x in (False, True)]
         for channel, depth in enumerate(depths):
-            expected = closed.free(np.abs(wi[:, 2]), *indices, depth)
+            below = functools.partial(closed.interface_reflectance, eta=indices[1] / indices[0])
+            expected = closed.smooth(np.abs(wi[:, 2]), indices[0], depth, below)
             for (share, se), truth in zip(shares, expected, strict=True):
                 # 1 %: GGX's tails. Closer to total reflection facets are less alike.
                 error = np.abs(share[:, channel] - truth) - 5 * se[:, channel]
