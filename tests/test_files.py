@@ -1,14 +1,17 @@
 """A reader finds the whole new file or the old one, even if the writing is interrupted."""
 
 import errno
+import io
 import os
 import re
 import stat
+import zipfile
 
+import numpy as np
 import pytest
 
 from urushi.errors import FileError, ParameterError
-from urushi.files import atomic_write, read_tensors, write_tensors
+from urushi.files import atomic_write, read_npz, read_tensors, write_tensors
 
 
 def test_writes_the_whole_file(tmp_path):
@@ -103,3 +106,14 @@ def test_folders_and_other_suffixes_are_refused(tmp_path):
     with pytest.raises(ParameterError, match=r"x.txt' does not end in .safetensors"):
         write_tensors(tmp_path / "x.txt", "material", {}, {})
     assert not list(tmp_path.iterdir())
+
+
+def test_an_archive_that_claims_a_huge_array_is_refused(tmp_path):
+    """Before memory is taken for it, which no machine has."""
+    path, header = tmp_path / "pairs.npz", io.BytesIO()
+    shape = {"descr": "<f8", "fortran_order": False, "shape": (1 << 50, 3)}
+    np.lib.format.write_array_header_1_0(header, shape)
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("wi.npy", header.getvalue())
+    with pytest.raises(FileError, match=r"it is not an NPZ file; write it with numpy\.savez"):
+        read_npz(path, "wi")

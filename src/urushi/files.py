@@ -188,6 +188,13 @@ def read_tensors(
     return description, arrays
 
 
+#: What NumPy raises for files that are no archives of arrays; MemoryError: they claim to be huge.
+NO_ARCHIVE = (
+    *(OSError, ValueError, EOFError, TypeError, MemoryError),
+    *(zipfile.BadZipFile, zlib.error),
+)
+
+
 def read_npz(path: str | os.PathLike, *names: str) -> list[np.ndarray]:
     """Arrays of a file of `numpy.savez`.
 
@@ -201,7 +208,7 @@ def read_npz(path: str | os.PathLike, *names: str) -> list[np.ndarray]:
             arrays = {name: archive[name] for name in archive.files}
         if not all(isinstance(array, np.ndarray) for array in arrays.values()):
             raise ValueError(path)
-    except (OSError, ValueError, EOFError, TypeError, zipfile.BadZipFile, zlib.error) as error:
+    except NO_ARCHIVE as error:
         reason = "it is not an NPZ file" if source.exists() else "it does not exist"
         raise FileError(f"cannot read '{source}': {reason}; write it with numpy.savez") from error
     for name in names:

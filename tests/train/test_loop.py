@@ -80,7 +80,7 @@ def test_metrics_are_those_of_the_written_weights(whole, tiny, store):
 
 
 def test_an_interrupted_training_is_not_overwritten(whole, tiny, tiny_data):
-    with pytest.raises(FileError, match="contains an unfinished training; give --resume"):
+    with pytest.raises(FileError, match="contains a training already; give --resume"):
         train(tiny, data=tiny_data, run=whole[1])
 
 

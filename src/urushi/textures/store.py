@@ -98,6 +98,8 @@ def read_texture(
         place["to_texture"] = tuple(map(tuple, place["to_texture"]))
         grid = TexelGrid(description["width"], description["height"], **place)
         texture = Texture(TexelLayout(**entries), *(arrays[name] for name in ARRAYS))
+        if min(grid.width, grid.height) < 1 or len(texture.bytes) != grid.texels:
+            raise ValueError(f"its {len(texture.bytes)} texels do not fill its grid")
     except (KeyError, TypeError, ValueError) as error:
         raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error
     return texture, grid, model

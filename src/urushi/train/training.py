@@ -171,14 +171,14 @@ def prepare(
     generate: makes or completes the data of `preset.data` in a folder.
 
     Raises:
-        FileError: a folder is not writable, or the run folder has an unfinished training.
+        FileError: a folder is not writable, or the run folder has a training already.
     """
     folder = Path(run) if run is not None else RUNS / preset.name
     out = Path(out) if out is not None else folder / "weights.safetensors"
     check_name(out)
     if not resume and Journal(folder, {}).begun():
         raise FileError(
-            f"'{folder}' contains an unfinished training; give --resume to continue it, "
+            f"'{folder}' contains a training already; give --resume to continue it, "
             "or choose another run folder"
         )
     for place in (folder, out.parent):

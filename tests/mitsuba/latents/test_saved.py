@@ -14,7 +14,7 @@ from urushi import files
 from urushi.errors import UrushiWarning
 from urushi.mitsuba.reading import probing
 from urushi.nets import weights
-from urushi.textures.store import TexelGrid
+from urushi.textures.store import TexelGrid, read_texture, write_texture
 
 PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (5, 6, 3)).astype(np.float32)
 
@@ -136,6 +136,15 @@ def test_a_damaged_file_and_other_versions_are_refused(rgb, networks, saved, cha
     files.write_tensors(path, "texture", description, arrays)
     with pytest.raises(RuntimeError, match=f"FileError: .*{sentence}"):
         loaded(path, networks)
+
+
+@pytest.mark.parametrize("size", [{"width": 7}, {"width": -9, "height": -9}])
+def test_a_whole_file_whose_texels_do_not_fill_its_grid_is_refused(rgb, networks, saved, size):
+    _, path = saved
+    texture, grid, model = read_texture(path, weights.find(networks))
+    write_texture(path, texture, grid._replace(**size), model.fingerprint)
+    with pytest.raises(RuntimeError, match="FileError: .* is damaged .*do not fill its grid"):
+        loaded(rgb, path, networks)
 
 
 def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
