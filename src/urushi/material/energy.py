@@ -154,25 +154,25 @@ def _fitted_within(model: Model, z: np.ndarray, least: np.ndarray, most: np.ndar
     rule, own = albedo_rule(model.arch.widths), model.networks.basis
     result = z.copy()
     numbers, stretch = own.split(result[model.arch.lobe :])
-    at_probes, nodes = (
-        f(float(stretch)).astype(float) for f in (own.probe_rows, node_functions(model))
-    )
+    nodes = node_functions(model)(float(stretch))
+    functions = nodes[:, 1:].reshape(*rule.weights.shape, -1)
     lobe = result[: model.arch.lobe]
     seen, passed = (transmittance.both_ways(lobe, *w) for w in (own.pairs(), (rule.wi, rule.wo)))
     start = code = numbers.astype(float)
-    form = code_fit.form_about(at_probes, own.measure * seen, own.prior, start[None])[0]
+    at_probes = own.probe_rows(float(stretch))
+    form = code_fit.form_about(at_probes, own.measure * seen, own.prior, start)
     form += PLAUSIBLE * own.prior
     best, smallest = code, np.inf
     for weight in (*ALBEDO_WEIGHTS, 0.0):
-        f = passed * basis.decode(code, nodes)
-        albedo = np.maximum(rule.albedo(f), LEAST_ALBEDO)
+        f = passed * basis.decode(code.astype(np.float32), nodes)
+        light = rule.weights * f.reshape(rule.weights.shape)
+        albedo = np.maximum(light.sum(axis=1), LEAST_ALBEDO)
         off = np.log(albedo / np.clip(albedo, least, most))
         error = (code - start) @ form @ (code - start) + ALBEDO_WEIGHTS[-1] * off @ off
         if error < smallest:
             best, smallest = code, error
-        at = off != 0
-        slopes = rule.albedo(f * nodes[:, 1:].T).T[at] / albedo[at, None]
-        right = weight * slopes.T @ (slopes @ (code - start) - off[at])
+        slopes = np.where(off, 1 / albedo, 0)[:, None] * (light[:, None] @ functions)[:, 0]
+        right = weight * slopes.T @ (slopes @ (code - start) - off)
         code = start + np.linalg.solve(form + weight * slopes.T @ slopes, right)
     numbers[...] = best
     return result

@@ -140,16 +140,17 @@ def _integral(values: np.ndarray, measure: np.ndarray) -> np.ndarray:
 
 
 def form_about(
-    rows: np.ndarray, measure: np.ndarray, prior: np.ndarray, codes: np.ndarray
+    rows: np.ndarray, measure: np.ndarray, prior: np.ndarray, code: np.ndarray
 ) -> np.ndarray:
-    """Matrices (S, K, K) of the least squares whose solutions are codes (S, K).
+    """The matrix (K, K) of the least squares whose solution is a code (K,).
 
-    rows: (N, 1 + K) the functions at the probe pairs, with the measure (N,) or (S, N).
+    rows: (N, 1 + K) the functions at the probe pairs, with the measure (N,).
     """
-    f = np.exp(np.minimum(codes @ rows[:, 1:].T + rows[:, 0], MAX_LOG))
+    functions, codes = rows[:, 1:], code[None].astype(np.float32)
+    f = np.exp(np.minimum(codes @ functions.T + rows[:, 0], MAX_LOG))
     light = np.maximum(_integral(f, measure), 1e-12)
     weights = weighed(rows, measure, f, light, codes)[1]
-    return weighted_products(rows[:, 1:], weights) + PRIOR * prior
+    return (functions.T * weights) @ functions + PRIOR * prior
 
 
 def weighed(
