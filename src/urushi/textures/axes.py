@@ -99,7 +99,8 @@ class Varying(NamedTuple):
     sources: Sequence[Any] = ()  # the textures on which it depends
     texture: Any = None  # which it is, of a bottom
     differentiable: bool = False  # whether it carries a gradient
-    places: np.ndarray | None = None  # of the axis of wavelengths, see `reading.rows`
+    #: Of the axis of wavelengths: places on it, and the wavelengths there [nm], (2, N).
+    places: np.ndarray | None = None
     #: Changes of a constant that carries a gradient, by which its slopes are found; else None.
     changes: Changes | None = None
     leader: Leader | None = None  # along whose axis it varies, see `reading.varying.joined`

@@ -32,6 +32,14 @@ def texture(color) -> dict:
     return strip(color, 0.7 * np.array(color), filter_type="nearest", raw=False)
 
 
+def paint() -> dict:
+    """An orange of wavelengths from 400 to 700 nm, as spectrometers have them."""
+    nm = np.arange(400, 701, 10)
+    values = 0.05 + 0.6 / (1 + np.exp((590 - nm) / 12))
+    wavelengths, values = (", ".join(map(str, x.tolist())) for x in (nm, values))
+    return {"type": "irregular", "wavelengths": wavelengths, "values": values}
+
+
 #: By name, a material by a plugin, and the tolerances: relative, and as a share of the largest
 #: channel, for the noise of the difference of positive and negative wavelengths in channels that
 #: are nearly black. Codes err by 3 %, those of dark metals and of a textured `openpbr` by more;
@@ -42,6 +50,11 @@ MATERIALS = {
     "index": (lambda x: coated(x, METAL | {"material": "Au", "alpha": 0.2}), 0.03, 0.0),
     "texture": (lambda x: coated(x, GREY | {"reflectance": texture(GREEN)}), 0.03, 0.003),
     "depths": (lambda x: coated(x, GREY, sigma_t=texture(GREEN)), 0.03, 0.003),
+    "paint": (
+        lambda x: coated(x, GREY | {"reflectance": paint()}, sigma_t=strip(0.1, 0.4)),
+        0.03,
+        0.003,
+    ),
     "media": (lambda x: coated(x, GREY, sigma_t=0.7, albedo=texture(GREEN)), 0.03, 0.003),
     "metals": (lambda x: coated(x, DARK | {"specular_reflectance": texture(GREEN)}), 0.03, 0.01),
     "textured openpbr": (lambda x: openpbr(x, texture((0.9, 0.3, 0.02))), 0.05, 0.003),

@@ -12,6 +12,7 @@ from urushi.core.microfacet import of_widths
 from urushi.material.layer import check_ratios
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.bottoms import Layer
+from urushi.mitsuba.reading.grid import within
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS
 from urushi.mitsuba.reading.rows import BottomRows, NestedRows, along_u, wavelengths_of
 from urushi.mitsuba.reading.varying import NANOMETRES, WAVELENGTH
@@ -22,6 +23,9 @@ from urushi.textures.layering import transported_rests
 
 #: Parts of the spectrum in which a material's changes with the wavelength are found.
 WAVELENGTHS = 128
+
+#: Wavelengths that measured spectra have, many of them no others [nm].
+MEASURED = (400.0, 700.0)
 
 
 class CoatedRows:
@@ -46,14 +50,15 @@ class CoatedRows:
         grey = same and bottoms.is_grey()
         self._channels = 1 if grey or mi.is_spectral else spectrum.channel_count()
         if mi.is_spectral and not grey and WAVELENGTH not in self._known:
-            self.varying.append(wavelengths_varying(self._spectral_changes()))
+            nm = np.linspace(*wavelength_ends(layer), WAVELENGTHS + 1)
+            self.varying.append(wavelengths_varying(nm, self._spectral_changes(nm)))
 
-    def _spectral_changes(self) -> np.ndarray:
-        """Amounts by which the material changes in `WAVELENGTHS` equal parts of the spectrum."""
-        count = WAVELENGTHS
+    def _spectral_changes(self, wavelengths: np.ndarray) -> np.ndarray:
+        """Amounts (N,) by which the material changes between wavelengths (N + 1,)."""
+        count = len(wavelengths) - 1
         middle = [x.axis.values(np.array(0.5)) for x in self.varying]
         named = self._named(np.tile([*middle, *[0.0] * len(self._changing)], (count + 1, 1)))
-        named[NANOMETRES] = np.linspace(*spectrum.ENDS, count + 1)
+        named[NANOMETRES] = wavelengths
         changes = self._bottoms.spectral_changes(count, named)
         for column in self._columns(named, count + 1):
             changes = changes + np.abs(np.diff(column[0]))
@@ -65,8 +70,7 @@ class CoatedRows:
         named |= {name: leader.at(named[leader.name]) for name, leader in self._led.items()}
         for x in self.varying:
             if x.places is not None:
-                even = np.linspace(*spectrum.ENDS, len(x.places))
-                named[NANOMETRES] = np.interp(named[WAVELENGTH], x.places, even)
+                named[NANOMETRES] = np.interp(named[WAVELENGTH], *x.places)
         return named
 
     def coats(self, values: np.ndarray) -> CoatParameters:
@@ -107,14 +111,27 @@ class CoatedRows:
         return f.reshape(self._channels, len(values), -1)
 
 
-def wavelengths_varying(changes: np.ndarray) -> Varying:
+def wavelength_ends(layer: Layer) -> tuple[float, float]:
+    """The least and the largest wavelength of the axis [nm]; a material is the same beyond them.
+
+    Mitsuba's spectra are zero outside of their ranges. Codes cannot follow that jump, and beyond
+    `MEASURED` there is little to see.
+    """
+    parts = [x for root in (layer.nested, *layer.coat.textures.values()) for x in within(root)]
+    ranges = [x.wavelength_range() for x in parts if isinstance(x, mi.Texture)]
+    low = max(first for first, _ in [spectrum.ENDS, *ranges] if first <= MEASURED[0])
+    high = min(last for _, last in [spectrum.ENDS, *ranges] if last >= MEASURED[1])
+    return float(low), float(high)
+
+
+def wavelengths_varying(wavelengths: np.ndarray, changes: np.ndarray) -> Varying:
     """The wavelength as a parameter, on an axis along which the material changes evenly.
 
-    changes: (N,) amounts by which it changes in N equal parts of `spectrum.ENDS`.
+    changes: (N,) amounts by which it changes between even wavelengths (N + 1,) [nm].
     """
     places = np.append(0, np.cumsum(changes + changes.sum() / len(changes) * 0.2 + 1e-9))
     places /= places[-1]
-    table, (first, last) = owned(mi.Float, places.astype(np.float32)), spectrum.ENDS
+    table, (first, last) = owned(mi.Float, places.astype(np.float32)), wavelengths[[0, -1]].tolist()
     count = len(changes)
 
     def read(si, active) -> list:
@@ -126,4 +143,6 @@ def wavelengths_varying(changes: np.ndarray) -> Varying:
             found.append(dr.lerp(low, high, x - i))
         return found
 
-    return Varying(Axis(WAVELENGTH, LINEAR, 0.0, 1.0, own=True), read, places=places)
+    return Varying(
+        Axis(WAVELENGTH, LINEAR, 0.0, 1.0, own=True), read, places=np.stack([places, wavelengths])
+    )

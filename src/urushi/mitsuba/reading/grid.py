@@ -21,7 +21,7 @@ FIRST = 64
 
 def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
     """The textures that depend on the position, anywhere in a scene object."""
-    return [node for node in _within(root) if isinstance(node, mi.Texture) and varies(node)]
+    return [node for node in within(root) if isinstance(node, mi.Texture) and varies(node)]
 
 
 def varies(texture: "mi.Texture") -> bool:
@@ -45,7 +45,7 @@ def check_nodes(node: "mi.Object", where: str) -> None:
 
     An update may give a bitmap a number of channels that Mitsuba does not read correctly.
     """
-    for part in _within(node):
+    for part in within(node):
         if part.class_name() in NORMALS:
             raise ParameterError(
                 f"{where}: the nested BSDF contains a '{NORMALS[part.class_name()]}', and codes "
@@ -66,7 +66,7 @@ def not_over_uv(root: "mi.Object") -> str | None:
     return next((ELSEWHERE[name] for name in names if name in ELSEWHERE), None)
 
 
-def _within(root: "mi.Object") -> list["mi.Object"]:
+def within(root: "mi.Object") -> list["mi.Object"]:
     """A scene object and all objects nested in it, each once."""
     nodes, pending = {}, [root]
     while pending:

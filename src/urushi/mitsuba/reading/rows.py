@@ -133,7 +133,7 @@ class BottomRows:
         return bool(np.allclose(f, f[:, :1], rtol=GREY, atol=1e-9))
 
     def spectral_changes(self, count: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Amounts (count,) by which ln f changes in equal parts of `spectrum.ENDS`.
+        """Amounts (count,) by which ln f changes between the wavelengths.
 
         values: (count + 1,) of the parameters by name, all the same, and the wavelengths.
         """
