@@ -52,6 +52,7 @@ def test_means_what_python_means(text):
         ("diffuse('0.5')", "neither one number nor three"),
         ("diffuse(True)", "neither one number nor three"),
         ("diffuse(**{'reflectance': 0.5})", "cannot read"),
+        ("coat(diffuse(0.5), alpha=0.1, alpha=0.2)", "'alpha' is given twice"),
         ("diffuse(0.5, gloss=1)", "unexpected keyword argument 'gloss' in diffuse(reflectance)"),
         ("diffuse()", "missing a required argument: 'reflectance' in diffuse(reflectance)"),
     ],

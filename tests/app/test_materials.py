@@ -46,6 +46,7 @@ SCENE = """<scene version="3.0.0">
         ([GOLD, "missing.binary", "-o", "new"], "'missing.binary' is neither a file nor a descr"),
         ([GOLD, "-o", "scene.xml/gold.safetensors"], "cannot write 'scene.xml/gold.safetensors'"),
         ([GOLD, "-o", "new/a.txt"], "--output is 'new/a.txt', which ends neither in .safetensors"),
+        ([GOLD, "--table", "--no-table"], "--table and --no-table are both given; give one"),
     ],
 )
 def test_errors_of_encode(arguments, sentence, tmp_path, monkeypatch, capsys):

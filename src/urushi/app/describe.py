@@ -66,6 +66,8 @@ def _build(node: ast.expr, text: str) -> Any:
     switches = [key for key, one in parameters.parameters.items() if isinstance(one.default, bool)]
     named: dict[str, Any] = {}
     for key, value in ((str(keyword.arg), keyword.value) for keyword in node.keywords):
+        if key in named:
+            raise _refuse(text, f"'{key}' is given twice")
         if key in switches and isinstance(value, ast.Constant):
             named[key] = bool(value.value)
         else:

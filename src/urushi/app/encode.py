@@ -50,6 +50,8 @@ class Encode:
     def run(self) -> int:
         from urushi.material.layer import encoded, warn_of
 
+        if self.table and self.no_table:
+            raise ParameterError("--table and --no-table are both given; give one of them, or none")
         targets, several, failures = self.targets(), len(self.sources) > 1, 0
         table = True if self.table else False if self.no_table else None
         bsdfs = functools.cache(functools.partial(scene_bsdfs, mode=self.mode))
