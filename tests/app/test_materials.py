@@ -46,6 +46,7 @@ SCENE = """<scene version="3.0.0">
         ([GOLD, "missing.binary", "-o", "new"], "'missing.binary' is neither a file nor a descr"),
         ([GOLD, "-o", "scene.xml/gold.safetensors"], "cannot write 'scene.xml/gold.safetensors'"),
         ([GOLD, "-o", "new/a.txt"], "--output is 'new/a.txt', which ends neither in .safetensors"),
+        (["gold"], "'gold' is a material file of Urushi, not a measured BRDF; urushi layer coats"),
         ([GOLD, "--table", "--no-table"], "--table and --no-table are both given; give one"),
     ],
 )
@@ -53,6 +54,7 @@ def test_errors_of_encode(arguments, sentence, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.xml").write_text(SCENE.format("wall", "0.5"))
     (tmp_path / "none.xml").write_text(re.sub(r' id="\w+"', "", SCENE.format("wall", "0.5")))
+    urushi.encode(urushi.diffuse(0.5)).save(tmp_path / "gold")
     assert cli.main(["encode", *arguments, *([] if "-o" in arguments else OUTPUT)]) == 2
     assert sentence in capsys.readouterr().err
     assert not (tmp_path / OUTPUT[1]).exists()
@@ -106,6 +108,13 @@ def test_averaging_is_reported(tmp_path, capsys):
     file = str(tmp_path / "pan.safetensors")
     assert cli.main(["encode", str(scene), "-o", file, "--weights", "default"]) == 0
     assert f"urushi: {scene}: the BRDF is anisotropic" in capsys.readouterr().err
+
+
+def test_a_material_file_needs_no_suffix(tmp_path, capsys):
+    bare, coated = tmp_path / "gold", tmp_path / "coated"
+    urushi.encode(urushi.conductor(alpha=0.2, r0=0.9)).save(bare)
+    assert cli.main(["layer", str(bare), "-o", str(coated)]) == 0
+    assert urushi.load(coated).coating.bottom == urushi.load(bare)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from tqdm import tqdm
 from urushi.app.describe import describe, is_description
 from urushi.checks import DEFAULT_COAT
 from urushi.errors import FileError, ParameterError, UrushiError
-from urushi.files import new_folder
+from urushi.files import SUFFIX, new_folder, tensor_file_kind
 
 if TYPE_CHECKING:
     from urushi.material import Material
@@ -225,7 +225,8 @@ def read_material(text: str, weights: str | None) -> "Material":
     """The material of a file of `urushi encode`, or an encoded description or measured file."""
     import urushi
 
-    if Path(text).suffix == ".safetensors":
+    described = is_description(text)
+    if not described and (Path(text).suffix == SUFFIX or tensor_file_kind(text)):
         return urushi.load(text, weights)
-    source = describe(text) if is_description(text) else urushi.load_measured(text)
+    source = describe(text) if described else urushi.load_measured(text)
     return urushi.encode(source, weights)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import FileError
-from urushi.files import as_path
+from urushi.files import as_path, tensor_file_kind
 from urushi.measured import merl, rgl_file
 from urushi.measured.merl import Merl
 from urushi.measured.pigments import pigment
@@ -64,6 +64,11 @@ def _foreign(source: Path, start: bytes) -> FileError:
         )
     if text.startswith((b"<!doctype", b"<html", b"<head")):
         return FileError(f"'{source}' is a web page, not a BRDF; download the file itself")
+    if kind := tensor_file_kind(source):
+        return FileError(
+            f"'{source}' is a {kind} file of Urushi, not a measured BRDF; urushi layer coats "
+            "materials, and urushi.load reads them"
+        )
     size = source.stat().st_size
     resembles = size == merl.FILE_SIZE or start[:8] == merl.HEADER[:8]
     if resembles and len(start) >= len(merl.HEADER):
