@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from urushi.core.error_metrics import shown
+
 EXAMPLE = Path(__file__).parents[2] / "examples" / "godot"
 
 #: From the scene: towards the lamp, its energy, the camera's height and field of view.
@@ -60,10 +62,7 @@ def test_the_picture_is_that_of_f(tmp_path):
     normal = point[inside]
     wi, wo = in_frame(-ray[inside], normal), in_frame(np.tile(LAMP, (len(normal), 1)), normal)
     linear = np.pi * ENERGY * material.f(wi, wo) * wo[:, 2:]
-    expected = np.where(
-        linear < 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
-    )
-    difference = np.abs(np.clip(expected, 0, 1) - seen.reshape(-1, 3)[inside])
+    difference = np.abs(shown(linear) - seen.reshape(-1, 3)[inside])
     assert inside.sum() > 20_000
     assert difference.max() < 5 / 255
     assert difference.mean() < 1 / 255

@@ -7,6 +7,7 @@ from tests.untrained import untrained
 
 import urushi
 from urushi.material import Material, encode, layer
+from urushi.nets import lobe as lobes
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model, default_model
 
@@ -74,6 +75,12 @@ def velvet(wi, wo):
     sheen = 0.06 * np.exp(-2 * cosines)
     lobe = 0.02 / (np.pi * (cos_h**2 * (0.1**2 - 1) + 1) ** 2) * 0.1**2
     return np.stack([sheen + 0.01, sheen + lobe, 0.3 * lobe + 0.03], axis=1)
+
+
+def two_lobes(wi, wo):
+    """A narrow and a wide lobe of metals over a diffuse term."""
+    lobe = np.float32([[0.02, 0.2, 1, 0, 1.5, 0], [0.15, 0.5, 1, 0, 1.5, 0]])
+    return lobes.f(lobe, wi[:, None], wo[:, None]).sum(axis=1) + 0.05
 
 
 @pytest.fixture(scope="session")

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from tests.material.conftest import error
+from tests.material.conftest import error, two_lobes
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.namespace import NUMPY
 from urushi.material import Material, encode, layer
-from urushi.nets.lobe import f
 from urushi.walk import conductor, dielectric, diffuse
 from urushi.walk.medium import hg
 
@@ -21,12 +20,7 @@ def pairs():
 
 def test_the_bottom_remains_in_one_channel(trained, pairs):
     """Of a bottom whose table is of all of f; within interpolation and half precision."""
-
-    def lobes_over_white(wi, wo):
-        narrow = np.float32([[0.03, 0.5, 1, 0, 1.5, 0], [0.3, 0.2, 1, 0, 1.5, 0]])
-        return (f(narrow, wi[:, None], wo[:, None]) + 0.1) @ np.ones((2, 3), np.float32)
-
-    bare = encode(lobes_over_white, trained)
+    bare = encode(lambda *w: two_lobes(*w)[:, None] * np.ones(3), trained)
     assert bare.table is not None and not bare.beside_lobe
     coated = layer(dielectric(0.1, (1.0, 1.5, 1.5)), bare)
     np.testing.assert_allclose(coated.f(*pairs)[:, 0], bare.f(*pairs)[:, 0], rtol=0.02)

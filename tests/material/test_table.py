@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.directions import at_cosines
-from tests.material.conftest import error, velvet
+from tests.material.conftest import error, two_lobes, velvet
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.table import SHAPE, interpolated
@@ -13,15 +13,8 @@ from urushi.errors import ParameterError
 from urushi.material import Material, encode, layer
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.values import required_pairs
-from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
 from urushi.walk import conductor, dielectric, diffuse
-
-
-def two_lobes(wi, wo):
-    """A narrow and a wide lobe of metals over a diffuse term."""
-    lobe = np.float32([[0.02, 0.2, 1, 0, 1.5, 0], [0.15, 0.5, 1, 0, 1.5, 0]])
-    return lobes.f(lobe, wi[:, None], wo[:, None]).sum(axis=1) + 0.05
 
 
 def test_the_table_of_a_code_is_its_f(model):

@@ -19,12 +19,7 @@ STACKS = {
     "three": coat(coat(METAL, 0.3, 1.3, 0.9, 0.5, 0.5), 0.2, 1.5, 0.8, 1, -0.4),
     "low": coat(coat(diffuse(0.7), 0.3, 0.7, 0.9, 0.5, 0.5), 0.2, 1.5, 0.8, 1, -0.4),
     "anisotropic": coat(
-        conductor(alpha_u=0.5, alpha_v=0.2, r0=0.9),
-        eta=1.5,
-        albedo=0.9,
-        sigma_t=0.5,
-        alpha_u=0.1,
-        alpha_v=0.3,
+        conductor(alpha_u=0.5, alpha_v=0.2, r0=0.9), None, 1.5, 0.9, 0.5, alpha_u=0.1, alpha_v=0.3
     ),
 }
 

@@ -12,12 +12,12 @@ from urushi.walk.simulate import albedo
 
 WI = at_cosines(np.cos([0.0, 0.6, 1.1, 1.45]), np.arctan2(0.8, 0.6))
 MEDIUM = {"albedo": (0.9, 0.5, 1.0), "sigma_t": (1.0, 0.3, 2.0), "g": (0.3, 0.0, -0.4)}
-COLOR = (0.9, 0.5, 0.1)
+COLOR, METAL = (0.9, 0.5, 0.1), {"eta": (0.2, 0.9, 1.5), "k": (3.9, 2.4, 1.9)}
 
 OPAQUE = {
     "sharp over rough": coat(conductor(0.4, COLOR), 0.02, 1.5, 0.8, (0.5, 2.0, 0.0)),
     "rough over sharp": coat(conductor(0.05, 0.9), 0.6, 1.7, (0.9, 0.5, 1.0), 1.0, 0.7),
-    "complex index": coat(conductor(0.2, eta=(0.2, 0.9, 1.5), k=(3.9, 2.4, 1.9)), 0.1, 1.4),
+    "complex index": coat(conductor(0.2, **METAL), 0.1, 1.4),
     "leaking": coat(dielectric(0.3, 1.6), 0.2, 1.3, 0.99, 5.0, (-0.6, 0.0, 0.6)),
     "diffuse": coat(diffuse((1.0, 0.5, 0.1)), 1.0, 3.0, 0.95, 0.5),
     "thinner below": coat(conductor(0.2, COLOR), 0.1, 0.7, 0.8, (0.5, 2.0, 0.0), 0.3),
@@ -37,10 +37,7 @@ OPAQUE = {
     ),
     "brushed": coat(conductor(r0=COLOR, alpha_u=0.05, alpha_v=0.4), 0.1, 1.5, 0.8, (0.5, 2.0, 0.0)),
     "crossed": coat(
-        conductor(eta=(0.2, 0.9, 1.5), k=(3.9, 2.4, 1.9), alpha_u=0.4, alpha_v=(0.1, 0.2, 0.3)),
-        *(None, 1.6),
-        alpha_u=0.1,
-        alpha_v=0.6,
+        conductor(alpha_u=0.4, alpha_v=(0.1, 0.2, 0.3), **METAL), eta=1.6, alpha_u=0.1, alpha_v=0.6
     ),
     "crossed coats": coat(
         coat(dielectric(eta=1.8, alpha_u=0.2, alpha_v=0.6), 0.3, 1.2, 0.9, 0.5),
