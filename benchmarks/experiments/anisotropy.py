@@ -250,4 +250,4 @@ def _cell(shares: list[float]) -> str:
     return " / ".join(f"{100 * x:.2f}" for x in shares)
 
 
-EXPERIMENT = Experiment(cases=cases, measure=measure, tables=tables, models=BOTH, minutes=30)
+EXPERIMENT = Experiment(cases=cases, measure=measure, tables=tables, models=BOTH, minutes=5)
