@@ -154,6 +154,7 @@ def test_blends(lacquered, pairs):
     ("call", "sentence"),
     [
         (lambda x: x.rotated(float("nan")), "rotation"),
+        (lambda x: x.rotated((10, 20, 30)), "rotation must be one number"),
         (lambda x: urushi.layer(SATIN, GREY, weights="default"), "weights are for isotropic mat"),
         (lambda x: urushi.encode(urushi.coat(BRUSHED, 0.1, 1.5), "default"), "Stack.*isotropic"),
         (lambda x: urushi.layer(SATIN, x.rotated(25)), "rotated by 25 degrees.*share one tangent"),

@@ -104,6 +104,7 @@ def test_values_are_converted():
         ("coat_weight", 1.5, r"openpbr: coat_weight is 1.5; it must be in \[0, 1\]"),
         ("specular_ior", -1, "specular_ior is -1; it must be 0 or more"),
         ("coat_weight", [0.1, 0.2, 0.3], "give a number$"),
+        ("base_color", np.full(3, 0.5 + 1j), "give a number or three, one per RGB channel"),
         ("base_color", "red", "give a number or three, one per RGB channel"),
         ("coat_roughness", float("nan"), "coat_roughness is nan"),
         ("geometry_thin_walled", {"type": "checkerboard"}, "thin_walled cannot be a texture"),

@@ -370,7 +370,10 @@ def _checked(values: npt.ArrayLike, dtype: Any, shape: tuple[int, ...]) -> np.nd
 
 def _checked_rotation(angle: float) -> float:
     """An angle in degrees."""
-    return float(checks.rotation(angle, "a material's rotation"))
+    found = checks.rotation(angle, "a material's rotation")
+    if found.ndim:
+        raise ParameterError("a material's rotation must be one number, which all channels share")
+    return float(found)
 
 
 def _above(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

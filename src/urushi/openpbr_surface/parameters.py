@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from urushi.checks import Check
+from urushi.checks import NO_NUMBERS, Check, real
 from urushi.errors import ParameterError, choice
 
 #: A number; a linear colour; a truth value; a direction, which a map or the geometry gives.
@@ -119,8 +119,8 @@ def checked(name: str, value: Any, where: str = "openpbr") -> Any:
             f"{where}: {name} cannot be a constant; give it as a normal map, or leave it out"
         )
     try:
-        array = np.asarray(value, np.float64)
-    except (TypeError, ValueError):
+        array = real(value, np.float64)
+    except NO_NUMBERS:
         array = np.empty((0,))
     shapes = ((), (3,)) if entry.kind == "color" else ((),)
     if array.shape not in shapes:
