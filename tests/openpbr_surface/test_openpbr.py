@@ -226,6 +226,19 @@ def test_a_tangent_across_turns_the_surface(coat_weight):
     assert not np.allclose(found, values(loaded(**shared), wi, wo), rtol=0.2)
 
 
+def test_tangents_that_vary_are_seen_below_a_coat():
+    """Where the tangent is across, the coated base is that of the constant tangent."""
+    wi, wo = pairs(200)
+
+    def coated(*tangents):
+        base = loaded(geometry_tangent=strip(*tangents, filter_type="nearest"), **BRUSHED)
+        coat = {"type": "neural_layered", "alpha": 0.3, "resolution": 2, "base": base}
+        return evaluated(mi.load_dict(coat), wi, wo, (0.25, 0.5))[0]
+
+    along, across = (1.0, 0.5, 0.5), (0.5, 1.0, 0.5)
+    assert error(coated(across, along), coated(across), wi, wo) < 0.02
+
+
 def test_a_coat_has_the_frame_of_the_base():
     wi, wo = pairs(50)
     shared = dict(base_color=COLOR, coat_weight=1.0, coat_roughness=0.3) | WALKS

@@ -191,6 +191,8 @@ class OpenPBRSurface(Surface):
     def traverse(self, callback):
         # Walks have no derivatives.
         self._inputs.traverse(callback, self.names, self.names if self._walks else ())
+        if tangent := self._inputs.maps.get("geometry_tangent"):  # `normalmap` lists the normal
+            callback.put("geometry_tangent", tangent, mi.ParamFlags.NonDifferentiable)
 
     def _update(self, keys):
         self._is_current &= not self._inputs.refresh()
