@@ -1,4 +1,4 @@
-"""Direction sets: unit vectors above the horizon with the stated densities."""
+"""Direction sets: unit vectors above the horizon, with the stated densities or ranges."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,7 @@ from benchmarks import pairs
 from scipy import stats
 
 from urushi.core import direction_sets
+from urushi.core.probe_pairs import probe_pairs
 
 N = 20_000
 
@@ -61,3 +62,22 @@ def test_difference_angles_cover_the_hemisphere_evenly_near_the_mirror_direction
     theta_d = np.arccos(np.clip(np.linalg.norm(h, axis=1) / 2, 0, 1))
     inside = theta_d[theta_d < np.radians(89)]
     assert stats.kstest(inside, "uniform", args=(0, np.radians(89))).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("n", [1, 64, 192, 500])
+def test_probes_are_fixed_unit_vectors_above_the_horizon(n):
+    for side in probe_pairs(n):
+        assert side.shape == (n, 3) and side.dtype == np.float32
+        np.testing.assert_allclose(np.linalg.norm(side, axis=1), 1, atol=1e-6)
+        assert (side[:, 2] >= 0.0199).all() and not side.flags.writeable
+
+
+def test_probes_span_half_angles_and_difference_angles():
+    wi, wo = (side.astype(np.float64) for side in probe_pairs(192))
+    tangent = half_tangent(wi, wo)
+    # A lobe of alpha = 0.01 is 0.01 wide in the tangent; several probes must fall in each decade.
+    for low in (1e-3, 1e-2, 1e-1):
+        assert ((tangent >= low) & (tangent < 10 * low)).sum() >= 20
+    difference = np.degrees(np.arccos(np.clip(np.linalg.norm(wi + wo, axis=1) / 2, 0, 1)))
+    assert difference.min() < 5 and difference.max() > 80
+    assert np.minimum(wi[:, 2], wo[:, 2]).min() < 0.06

@@ -1,4 +1,4 @@
-"""Fresnel terms: limits, symmetry and agreement of the formulae."""
+"""Fresnel terms at the limits of their indices; `tests.walk.test_closed_forms` has the others."""
 
 import numpy as np
 import pytest
@@ -21,18 +21,6 @@ def test_a_conductor_that_absorbs_nothing_is_a_dielectric(jit, eta: float) -> No
     assert np.array_equal(expected == 1, total) and np.array_equal(cos_t == 0, total)
 
 
-def test_conductors_reflect_by_fresnels_amplitudes() -> None:
-    """The squared complex amplitudes of both polarisations."""
-    for eta, k in np.random.default_rng(3).uniform([0.1, 0], [4, 9], (50, 2)):
-        index = eta - 1j * k
-        inside = np.sqrt(index**2 - 1 + COSINES.astype(np.float64) ** 2)
-        across = (COSINES - inside) / (COSINES + inside)
-        along = (index**2 * COSINES - inside) / (index**2 * COSINES + inside)
-        expected = 0.5 * (np.abs(across) ** 2 + np.abs(along) ** 2)
-        found = fresnel.exact(COSINES.astype(np.float64), eta, k, NUMPY)
-        np.testing.assert_allclose(found, expected, atol=1e-10)
-
-
 @pytest.mark.parametrize("eta", (1 - 1e-6, 1, 1 + 1e-6, 1.001))
 @pytest.mark.parametrize("k", (0, 1e-4))
 def test_indices_near_one_reflect_no_negative_light(eta, k) -> None:
@@ -42,11 +30,3 @@ def test_indices_near_one_reflect_no_negative_light(eta, k) -> None:
     assert (single >= 0).all()
     double = fresnel.exact(*(np.float64(np.float32(x)) for x in (cosines, eta, k)), NUMPY)
     np.testing.assert_allclose(single, double, atol=2e-6)
-
-
-def test_schlick_spans_r0_to_one_for_colours(jit) -> None:
-    r0 = jit.Array3f(0.04, 0.5, 1.0)
-    np.testing.assert_allclose(fresnel.schlick(jit.Float(1), r0).numpy()[:, 0], [0.04, 0.5, 1.0])
-    np.testing.assert_allclose(fresnel.schlick(jit.Float(0), r0).numpy()[:, 0], 1)
-    values = fresnel.schlick(jit.Float(COSINES), jit.Float(0.04)).numpy()
-    assert np.all(np.diff(values) <= 0)

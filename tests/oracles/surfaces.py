@@ -35,7 +35,7 @@ def fresnel_schlick(cos: np.ndarray, r0: float) -> np.ndarray:
     return r0 + (1 - r0) * (1 - cos) ** 5
 
 
-def _facets(half: np.ndarray, wi: np.ndarray, wo: np.ndarray, alpha) -> np.ndarray:
+def facets(half: np.ndarray, wi: np.ndarray, wo: np.ndarray, alpha) -> np.ndarray:
     """D G of unit normals over the cosines of both directions, for one width or two.
 
     Eq. 33 and 34; Heitz 2014, eq. 85 and 86.
@@ -51,7 +51,7 @@ def reflection(wi: np.ndarray, wo: np.ndarray, alpha, fresnel: Fresnel) -> np.nd
     """F D G / (4 mu_i mu_o), eq. 20; alpha is one width, or two."""
     wi, wo = wi.astype(np.float64), wo.astype(np.float64)
     half = (wi + wo) / np.linalg.norm(wi + wo, axis=1, keepdims=True)
-    return fresnel((wi * half).sum(1)) * _facets(half, wi, wo, alpha) / 4
+    return fresnel((wi * half).sum(1)) * facets(half, wi, wo, alpha) / 4
 
 
 def transmission(wi: np.ndarray, wo: np.ndarray, alpha: float, eta: float) -> np.ndarray:
@@ -66,7 +66,7 @@ def transmission(wi: np.ndarray, wo: np.ndarray, alpha: float, eta: float) -> np
     above, below = (wi * half).sum(1), -(wo * half).sum(1)
     seen = (half[:, 2] > 0) & (above > 0) & (below > 0)  # the front of the facet, by both
     passed = (1 - fresnel_dielectric(np.clip(above, 0, 1), eta)) * above * below / length**2
-    return np.where(seen, passed * _facets(half, wi, wo, alpha), 0)
+    return np.where(seen, passed * facets(half, wi, wo, alpha), 0)
 
 
 FRESNEL = {

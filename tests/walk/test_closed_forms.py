@@ -27,11 +27,11 @@ def pairs():
 @pytest.mark.parametrize(
     "surface",
     [
-        conductor((0.05, 0.5, 1.0), (0.3, 0.5, 1.0)),
-        conductor((0.05, 0.3, 1.0), eta=(0.2, 0.9, 1.5), k=(3.9, 2.4, 1.9)),
+        conductor((0.01, 0.5, 1.0), (0.04, 0.5, 1.0)),
+        conductor((0.01, 0.3, 1.0), eta=(0.1, 0.9, 4.0), k=(9.0, 2.4, 0.1)),
         dielectric(0.2, (1.1, 1.5, 3.0)),
         conductor(alpha_u=0.5, alpha_v=(0.1, 0.6, 1.0), r0=0.5),
-        dielectric(eta=0.7, alpha_u=(0.05, 0.1, 0.8), alpha_v=0.3),
+        dielectric(eta=0.7, alpha_u=(0.02, 0.1, 0.8), alpha_v=0.1),
         diffuse((0.1, 0.5, 1.0)),
     ],
 )

@@ -23,34 +23,38 @@ def table(oracle: Mapping[str, np.ndarray], family: str) -> StackTable:
         alpha, eta, sigma_t, albedo, rho = columns
         bottom = {"reflectance": rho[:, 0]}
         return StackTable(alpha, eta, albedo, sigma_t, 0 * alpha, "diffuse", bottom)
-    coats = [np.concatenate([columns[i], columns[i + 5]], axis=1) for i in range(5)]
-    alpha, eta, sigma_t, albedo, g = coats
+    alpha, eta, sigma_t, albedo, g = np.concatenate([columns[:5], columns[5:10]], axis=2)
     bottom = {"alpha": columns[10][:, 0], "r0": columns[11][:, 0]}
     return StackTable(alpha, eta, albedo, sigma_t, g, "conductor", bottom)
+
+
+def compare(walked, reference, deviation: float) -> float:
+    """f and its standard error of configurations and pairs, (2, K, P) each; the mean of squares.
+
+    float32 and rounded parameters on both sides: a difference of 0.2 % of f is allowed. Four
+    standard errors are. That of the median of n deviations is 1.25 times one by sqrt(n). That of
+    the mean of n squares is sqrt(2 / n), here doubled because the noise of walks has long tails.
+    """
+    (f, se), (expected, error) = np.float64(walked), np.float64(reference)
+    ratio, z2 = f / expected, (f - expected) ** 2 / (se**2 + error**2 + (0.002 * f) ** 2)
+    assert abs(np.median(ratio) - 1) < 0.003
+    assert z2.mean() < 1.4
+    count = f.shape[1]
+    assert np.abs(np.median(ratio, axis=1) - 1).max() < 4 * 1.25 * deviation / np.sqrt(count)
+    assert z2.mean(axis=1).max() < 1 + 8 * np.sqrt(2 / count)
+    return z2.mean()
 
 
 @pytest.mark.parametrize("family", ["two", "three", "lambert"])
 def test_every_configuration_agrees(family: str, oracle: Mapping[str, np.ndarray]) -> None:
     # Every fourth pair of the longest lists, to cover all kinds of pairs in less time.
     step = 4 if family == "two" else 1
-    wi, wo, reference, se_reference = (
-        oracle[f"{family}_{name}"][:, ::step] for name in ("wi", "wo", "f", "se")
-    )
-    count, pairs = reference.shape
-    wi, wo = (w.reshape(-1, 3).astype(np.float32) for w in (wi, wo))
-    row = np.repeat(np.arange(count, dtype=np.uint32), pairs)
-    f, se = walk_pairs(table(oracle, family), row, wi, wo, walks=WALKS, seed=1)
-    f, se = (x.reshape(count, pairs).astype(np.float64) for x in (f, se))
-    # float32 and rounded parameters on both sides: a difference of 0.2 % of f is allowed.
-    variance = se**2 + se_reference**2 + (0.002 * f) ** 2
-    ratio, z2 = f / reference, (f - reference) ** 2 / variance
-    assert abs(np.median(ratio) - 1) < 0.003
-    assert 0.5 < z2.mean() < 1.4  # else the standard errors are too large
-    # Four standard errors are allowed. That of the median of n deviations of 1.1 % is
-    # 1.25 * 1.1 % / sqrt(n). That of the mean of n squares is sqrt(2 / n), here doubled because
-    # the noise of walks has long tails.
-    assert np.abs(np.median(ratio, axis=1) - 1).max() < 4 * 1.25 * 0.011 / np.sqrt(pairs)
-    assert z2.mean(axis=1).max() < 1 + 8 * np.sqrt(2 / pairs)
+    wi, wo, f, se = (oracle[f"{family}_{name}"][:, ::step] for name in ("wi", "wo", "f", "se"))
+    row = np.repeat(np.arange(len(f), dtype=np.uint32), f.shape[1])
+    sides = (w.reshape(-1, 3).astype(np.float32) for w in (wi, wo))
+    walked = walk_pairs(table(oracle, family), row, *sides, walks=WALKS, seed=1)
+    squares = compare(np.reshape(walked, (2, *f.shape)), (f, se), 0.011)
+    assert squares > 0.5  # else the standard errors are too large
 
 
 def later_stack(rows: np.ndarray) -> Stack:
@@ -71,20 +75,12 @@ def test_anisotropic_surfaces_and_indices_below_one_agree(
     later_oracle: Mapping[str, np.ndarray], group: str
 ) -> None:
     """The groups are named after the anisotropic surfaces; `low` has index ratios below one."""
-    ratios, squares = [], []
-    for number, rows in enumerate(later_oracle[f"{group}_stack"]):
-        wi, wo, reference, se_reference = (
-            later_oracle[f"{group}_{name}"][number] for name in ("wi", "wo", "f", "se")
-        )
-        table = from_stack(later_stack(rows))
-        wi, wo = (w.astype(np.float32) for w in (wi, wo))
-        f, se = walk_pairs(table, np.zeros(len(wi), np.uint32), wi, wo, walks=LATER_WALKS, seed=1)
-        ratios.append(f / reference)
-        # As above, 0.2 % of f is allowed for float32 on both sides.
-        squares.append((f - reference) ** 2 / (se**2 + se_reference**2 + (0.002 * f) ** 2))
-        # Four standard errors of the median of 300 deviations of 1.5 % and of a mean of squares,
-        # doubled for the long tails of walks.
-        assert abs(np.median(ratios[-1]) - 1) < 4 * 1.25 * 0.015 / np.sqrt(len(f))
-        assert squares[-1].mean() < 1 + 8 * np.sqrt(2 / len(f))
-    assert abs(np.median(ratios) - 1) < 0.003
-    assert np.mean(squares) < 1.4
+    stacks, wi, wo, f, se = (
+        later_oracle[f"{group}_{name}"] for name in ("stack", "wi", "wo", "f", "se")
+    )
+    row = np.zeros(f.shape[1], np.uint32)
+    walked = [
+        walk_pairs(from_stack(later_stack(rows)), row, *sides, walks=LATER_WALKS, seed=1)
+        for rows, *sides in zip(stacks, np.float32(wi), np.float32(wo), strict=True)
+    ]
+    compare(np.swapaxes(walked, 0, 1), (f, se), 0.015)

@@ -2,41 +2,10 @@
 
 import numpy as np
 import pytest
-from tests.directions import above, pairs_above
+from tests.directions import above
 
-from urushi.checks import Widths
-from urushi.walk import (
-    StackTable,
-    coat,
-    conductor,
-    dielectric,
-    diffuse,
-    monte_carlo,
-    simulate,
-    walk_pairs,
-)
-from urushi.walk.bottoms import KINDS
+from urushi.walk import coat, conductor, dielectric, diffuse, monte_carlo, simulate
 from urushi.walk.simulate import albedo
-
-
-@pytest.mark.parametrize("coats", [1, 2])
-@pytest.mark.parametrize("kind", ["conductor", "conductor_complex", "dielectric"])
-def test_equal_widths_give_the_walks_of_one_width(kind: str, coats: int) -> None:
-    """The same paths on LLVM, up to rounding; CUDA divides approximately, and paths diverge."""
-    if monte_carlo.backend().__name__ != "drjit.llvm":
-        pytest.skip("only LLVM divides exactly")
-    rng, lowest = np.random.default_rng(7), [[[0.01]], [[0.5]], [[0]], [[0]], [[-0.9]]]
-    alpha, *others = rng.uniform(lowest, [[[1]], [[2]], [[1]], [[4]], [[0.9]]], (5, 8, coats))
-    width, *numbers = rng.uniform(0.01, 1, (len(KINDS[kind].parameters), 8))
-    given = dict(zip(KINDS[kind].parameters[1:], numbers, strict=True))
-    one = StackTable(alpha, *others, kind, {"alpha": width} | given)
-    both = {"alpha_u": width, "alpha_v": width} | given
-    two = StackTable(Widths(alpha, alpha), *others, f"{kind}_anisotropic", both)
-    row, sides = np.arange(64, dtype=np.uint32) % 8, pairs_above(64, 8, 0.1)
-    (f, se), (expected, error) = (walk_pairs(x, row, *sides, walks=256, seed=9) for x in (two, one))
-    np.testing.assert_allclose(f, expected, rtol=1e-6)
-    np.testing.assert_allclose(se, error, rtol=1e-5)
-
 
 COLORED = {
     # a rough top: light leaves by sampled phase directions as often as by connections
