@@ -19,7 +19,8 @@ RANGES = [
 
 
 @pytest.mark.parametrize(("check", "accepted", "refused"), RANGES)
-def test_ranges(check, accepted, refused):
+def test_ranges_and_shapes(check, accepted, refused):
+    """One bad channel is enough."""
     for value in accepted:
         result = check(value)
         assert result.shape == () and result.dtype == np.float64 and result == value
@@ -27,18 +28,6 @@ def test_ranges(check, accepted, refused):
     for value in [*refused, np.nan, np.inf, -np.inf]:
         with pytest.raises(ParameterError, match=f"^{name} is .*; it must be"):
             check(value)
-
-
-def test_indices_near_one_are_one():
-    """Those of single precision that are a step away are not."""
-    step = np.float32([0.999, 1.001])
-    np.testing.assert_array_equal(checks.eta((0.9995, 1, 1.0009)), 1)
-    np.testing.assert_array_equal(checks.eta([*step], any_shape=True), step)
-
-
-@pytest.mark.parametrize(("check", "accepted", "refused"), RANGES)
-def test_shapes(check, accepted, refused):
-    """One bad channel is enough."""
     good = accepted[1]
     assert check((good, good, good)).shape == (3,)
     for bad in (refused[0], np.nan):
@@ -48,6 +37,13 @@ def test_shapes(check, accepted, refused):
         with pytest.raises(ParameterError, match="has shape .*; give a scalar or three values"):
             check(wrong)
     assert check(np.full((4, 5), good), any_shape=True).shape == (4, 5)
+
+
+def test_indices_near_one_are_one():
+    """Those of single precision that are a step away are not."""
+    step = np.float32([0.999, 1.001])
+    np.testing.assert_array_equal(checks.eta((0.9995, 1, 1.0009)), 1)
+    np.testing.assert_array_equal(checks.eta([*step], any_shape=True), step)
 
 
 def test_negative_zero_becomes_zero():

@@ -82,15 +82,6 @@ def _interrupt():
     os.kill(os.getpid(), signal.SIGINT)  # reaches the main thread, which waits
 
 
-@pytest.fixture
-def interruptible():
-    """SIGINT raises KeyboardInterrupt even if the shell that started the tests ignores it."""
-    previous = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, previous)
-
-
-@pytest.mark.usefixtures("interruptible")
 @pytest.mark.parametrize(
     ("happening", "error"), [(_fail, ZeroDivisionError), (_interrupt, KeyboardInterrupt)]
 )

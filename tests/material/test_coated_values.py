@@ -19,7 +19,7 @@ def one(alpha, *others) -> CoatParameters:
     return CoatParameters(of_widths(np.float64, alpha), *map(np.float64, others))
 
 
-def lambertian(albedo, *stretch2) -> Substrate:
+def lambertian(albedo=0.5, *stretch2) -> Substrate:
     logs = np.full((*SHAPE, 1), np.log(albedo / np.pi))
     return Substrate.of(Reflector.of_logs(logs, None, *stretch2))
 
@@ -30,34 +30,26 @@ def brushed() -> Substrate:
     return Substrate.of(Reflector.of_logs(np.full((*SHAPE, 1), MIN_LOG), lobe, np.ones(1)))
 
 
-def test_a_coat_is_the_same_among_others_of_two_widths():
-    alpha, values = np.array([0.2, 0.2, 0.3]), ([1.5] * 3, [0, 0.5, 0], [0, 1, 0.5], [0] * 3)
-    coats = CoatParameters(alpha, *np.array(values))
-    wi, wo = cosine_pairs(np.random.default_rng(2), 50, lowest_cosine=0.1)
-    together = coated_f(brushed(), coats, wi, wo)
-    for channel in range(3):
-        alone = coated_f(brushed(), CoatParameters(*(p[channel] for p in coats)), wi, wo)
-        np.testing.assert_allclose(together[:, channel], alone[:, 0], rtol=1e-5)
-
-
 @pytest.mark.parametrize(
-    ("albedo", "sigma_t"),
+    ("bottom", "alpha", "albedo", "sigma_t", "rtol"),
     [
-        ([0.8] * 5, np.linspace(0, 2, 5)),
-        ([0.02, 0.0, 0.0, 0.0], [0.18, 0.23, 0.18, 0.13]),
-        ([0.0, 0.0, 0.6, 0.6], [80.0, 1.0, 1.0, 80.0]),  # the first is black
-        ([0.0] * 4, [80.0, 90.0, 100.0, 110.0]),
+        (brushed, [0.2, 0.2, 0.3], [0.0, 0.5, 0.0], [0.0, 1.0, 0.5], 1e-5),
+        (lambertian, [0.1] * 5, [0.8] * 5, np.linspace(0, 2, 5), 0.01),
+        (lambertian, [0.1] * 4, [0.02, 0.0, 0.0, 0.0], [0.18, 0.23, 0.18, 0.13], 0.01),
+        # the first is black
+        (lambertian, [0.1] * 4, [0.0, 0.0, 0.6, 0.6], [80.0, 1.0, 1.0, 80.0], 0.01),
+        (lambertian, [0.1] * 4, [0.0] * 4, [80.0, 90.0, 100.0, 110.0], 0.01),
     ],
 )
-def test_many_coats_over_one_bottom(albedo, sigma_t):
+def test_many_coats_over_one_bottom(bottom, alpha, albedo, sigma_t, rtol):
     """Coats of any shape; more than three media below one interface are sums of a few."""
-    wi, wo = cosine_pairs(np.random.default_rng(0), 50)
-    columns, below = [np.reshape(x, (-1, 1)) for x in (albedo, sigma_t)], lambertian(0.5)
-    f = coated_f(below, CoatParameters(np.full_like(columns[1], 0.1), 1.5, *columns, 0.0), wi, wo)
-    assert f.shape == (50, len(albedo), 1)
-    for row, medium in enumerate(zip(albedo, sigma_t, strict=True)):
-        alone = coated_f(below, one(0.1, 1.5, *medium, 0.0), wi, wo)
-        np.testing.assert_allclose(f[:, row], alone, rtol=0.01, atol=1e-25)  # black
+    (wi, wo), below = cosine_pairs(np.random.default_rng(0), 50, lowest_cosine=0.1), bottom()
+    coats = [np.reshape(x, (-1, 1)) for x in (alpha, albedo, sigma_t)]
+    f = coated_f(below, CoatParameters(coats[0], 1.5, *coats[1:], 0.0), wi, wo)
+    assert f.shape == (50, len(alpha), 1)
+    for row, (width, *medium) in enumerate(zip(alpha, albedo, sigma_t, strict=True)):
+        alone = coated_f(below, one(width, 1.5, *medium, 0.0), wi, wo)
+        np.testing.assert_allclose(f[:, row], alone, rtol=rtol, atol=1e-25)  # black
 
 
 @pytest.mark.parametrize(

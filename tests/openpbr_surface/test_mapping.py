@@ -55,14 +55,6 @@ def test_eon_albedos_are_its_integrals(sigma):
     assert formulas.eon(0.5, 0.5, 0.1, 0.4, 0.0) == pytest.approx(0.4 / np.pi)
 
 
-def test_slab_albedo_inverts_the_promise_and_exceeds_the_colour():
-    color, internal = np.meshgrid(np.linspace(0, 1, 6), np.linspace(0, 0.8, 5))
-    rho = formulas.slab_albedo(color, internal)
-    assert np.allclose(formulas.promised(rho, internal), color)
-    assert (rho >= color - 1e-12).all()
-    assert (rho <= 1 + 1e-12).all()
-
-
 @pytest.mark.parametrize("eta", [1.3, 1.5, 0.9375])
 def test_a_smooth_glossy_base_keeps_its_colour_in_the_walk(eta):
     """The specification's constraint: E_diffuse = (1 - E_spec) C at normal incidence.
