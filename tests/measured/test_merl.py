@@ -1,4 +1,7 @@
-"""MERL tables: exact at bin centres, reciprocal, and no invalid bin leaks."""
+"""MERL tables: exact at bin centres, reciprocal, no invalid bin leaks, and the walk reads them.
+
+`walk/test_bottoms` has their sampling.
+"""
 
 import numpy as np
 import pytest
@@ -7,6 +10,7 @@ from tests.measured import writers
 from urushi.core.directions import directions_at
 from urushi.measured import Merl, Rgl, load_measured, tabulated
 from urushi.measured.tabulated import fill_nearest
+from urushi.walk import coat, monte_carlo, simulate
 
 
 @pytest.fixture(scope="module")
@@ -105,3 +109,25 @@ def test_the_fill_takes_the_nearest_valid_bin_of_row_or_column():
                 distances.append((min(abs(b - k), 10 - abs(b - k)), values[i, j, b, 0]))
         nearest = min(distance for distance, _ in distances)
         assert filled[i, j, k, 0] in [value for d, value in distances if d == nearest]
+
+
+def test_walk_and_reader_agree(random_directions):
+    """The table is noise, so that every bin and weight matters. Below the horizon, f is zero."""
+    noise = Merl(np.random.default_rng(0).random((90, 90, 180, 3)))
+    types = monte_carlo.backend()
+    wi, wo = random_directions(20000, 1), random_directions(20000, 2)
+    wi[:100], wo[:100] = wo[:100], wi[:100]
+    wi[0] = wo[0] = (0, 0, 1)  # where azimuths are undefined
+    wi[1] = wo[1]
+    wi[2:6, 2] *= -1
+    wo[4:8, 2] *= -1
+    to_light, to_eye = (types.Array3f(np.ascontiguousarray(w.T)) for w in (wi, wo))
+    # Positions in the table are in single precision: an error of 1e-5 of a bin, times steps of up
+    # to 1 along each of three axes.
+    expected = noise.f(wi, wo)
+    np.testing.assert_allclose(noise.f_pdf(to_light, to_eye)[0].numpy().T, expected, atol=1e-4)
+    below = noise.sample(to_light, *(types.Float([x] * 20000) for x in (0.1, 0.5, 0.5)))[1:]
+    assert not any(values.numpy()[..., 2:6].any() for values in below)
+    # A coat that is nothing leaves each channel as it is.
+    f, _ = simulate(coat(noise, 0.4, 1), wi[8:500], wo[8:500], walks=16)
+    np.testing.assert_allclose(f, expected[8:500], atol=1e-4)

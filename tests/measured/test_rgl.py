@@ -10,7 +10,7 @@ import urushi
 from urushi.errors import ParameterError
 from urushi.measured import Rgl, load_measured
 from urushi.measured.rgl import MIN_COSINE, srgb_weights
-from urushi.measured.tabulated import evaluate
+from urushi.measured.tabulated import evaluate, interpolated
 
 NAMES = ["aurora_white", "chm_mint", "irid_flake_paint1", "vch_silk_blue"]
 
@@ -90,6 +90,16 @@ def test_the_walk_takes_isotropic_materials():
     fields = writers.rgl_fields(np.random.default_rng(0), azimuths=np.linspace(-3, 0, 5))
     with pytest.raises(ParameterError, match="put Mitsuba's 'measured' under the coat"):
         Rgl(fields).table()
+
+
+def test_the_walks_table_is_the_mean_over_the_exchange(test_data, random_directions):
+    material = load_measured(writers.rgl_path(test_data, "chm_mint"))
+    wi, wo = random_directions(4000, 9, 0.1), random_directions(4000, 10, 0.1)
+    expected = 0.5 * (material.f(wi, wo) + material.f(wo, wi))
+    f = interpolated(material.table(), wi.astype(float), wo.astype(float))
+    weight = (wi[:, 2] * wo[:, 2])[:, None]
+    # Files have few elevations with linear interpolation between; the table smooths the kinks.
+    assert (np.abs(f - expected) * weight).sum() < 0.02 * (expected * weight).sum()
 
 
 def test_f_is_finite_not_negative_and_isotropic(material, random_directions):
