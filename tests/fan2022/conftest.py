@@ -16,8 +16,26 @@ def params():
 
 @pytest.fixture(scope="session")
 def positive():
-    """Random networks whose values are positive nearly everywhere."""
+    """Random networks whose values are positive nearly everywhere, and whose proposals differ."""
     from fan2022.architecture import init
 
     params = init(3)
-    return params | {"evaluation.3.bias": params["evaluation.3.bias"] + np.float32(0.5)}
+    bias = params["evaluation.3.bias"] + np.float32(0.5)
+    return params | {"evaluation.3.bias": bias, "proxy.4.weight": 20 * params["proxy.4.weight"]}
+
+
+@pytest.fixture(scope="session")
+def paper(positive):
+    """Their weights, with projections of two steps, so that tests are quick."""
+    from fan2022 import PaperNetworks
+    from fan2022.architecture import PaperArchitecture
+
+    return PaperNetworks(PaperArchitecture(steps=2, pairs=64), positive, {})
+
+
+@pytest.fixture(scope="session")
+def weights(paper, tmp_path_factory):
+    """The path of their file."""
+    path = tmp_path_factory.mktemp("paper") / "weights.safetensors"
+    paper.save(path)
+    return path

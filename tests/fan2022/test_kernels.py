@@ -3,8 +3,7 @@
 import fan2022
 import numpy as np
 import pytest
-from fan2022 import Material, PaperNetworks, load
-from fan2022.architecture import PaperArchitecture, init
+from fan2022 import Material, load
 from fan2022.texels import CodeTexture, choose
 from tests.directions import pairs_above
 from tests.mitsuba import probes
@@ -15,35 +14,33 @@ from urushi.mitsuba.reading import probing
 from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 
-@pytest.fixture(scope="module")
-def paper(tmp_path_factory):
-    """Untrained networks with values around 0.3, and proposals that differ."""
-    params = init(5)
-    params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.3)
-    params["proxy.4.weight"] = 20 * params["proxy.4.weight"]
-    path = tmp_path_factory.mktemp("paper") / "weights.safetensors"
-    return PaperNetworks(PaperArchitecture(steps=1, pairs=64), params, {}).save(path), path
-
-
 @pytest.fixture
 def pairs():
     return pairs_above(16, 1, 0.1)
 
 
-def test_a_saved_material_is_that_of_python(rgb, paper, tmp_path, pairs):
-    """Values, densities, and samples of the same uniform numbers; one proposal is nearly flat."""
-    own, path = paper
-    rng = np.random.default_rng(7)
-    codes = 1 + 0.1 * rng.normal(size=(3, 32))
-    material = Material(codes, own)
+@pytest.fixture(scope="module")
+def material(paper):
+    return Material(1 + 0.1 * np.random.default_rng(7).normal(size=(3, 32)), paper)
+
+
+@pytest.fixture
+def saved(material, weights, tmp_path):
+    """The parameters of the plugin `fan2022_brdf` for the material."""
     material.save(tmp_path / "material.safetensors")
-    bsdf = rgb.load_dict(
-        {
-            "type": "fan2022_brdf",
-            "weights": str(path),
-            "filename": str(tmp_path / "material.safetensors"),
-        }
-    )
+    return {"filename": str(tmp_path / "material.safetensors"), "weights": str(weights)}
+
+
+@pytest.fixture
+def layered(rgb, weights):
+    """The plugin `fan2022_layered` of parameters."""
+    described = {"type": "fan2022_layered", "weights": str(weights)}
+    return lambda **parameters: rgb.load_dict(described | parameters)
+
+
+def test_a_saved_material_is_that_of_python(rgb, material, saved, pairs):
+    """Values, densities, and samples of the same uniform numbers; one proposal is nearly flat."""
+    bsdf, rng = rgb.load_dict({"type": "fan2022_brdf", **saved}), np.random.default_rng(8)
     wi, wo = pairs
     np.testing.assert_allclose(probes.f(bsdf, wi, wo), material.f(wi, wo), rtol=1e-3, atol=1e-4)
     si, u = probing.interaction(wi, np.zeros((16, 2))), rng.random((16, 3)).astype(np.float32)
@@ -64,19 +61,17 @@ SCENE = """<scene version="3.0.0">
         <integer name="width" value="8"/><integer name="height" value="8"/>
     </film></sensor>
     <shape type="sphere"><bsdf type="twosided"><bsdf type="fan2022_brdf">
-        <string name="filename" value="{}"/><string name="weights" value="{}"/>
+        <string name="filename" value="{filename}"/><string name="weights" value="{weights}"/>
     </bsdf></bsdf></shape>
 </scene>"""
 
 
-def test_the_command_renders_in_separate_kernels(rgb, paper, tmp_path, monkeypatch):
+def test_the_command_renders_in_separate_kernels(rgb, saved, tmp_path, monkeypatch):
     """A kernel of a whole path takes minutes to compile."""
     import drjit as dr
     from fan2022 import __main__ as command
 
-    own, path = paper
-    Material(np.ones((3, 32)), own).save(tmp_path / "material.safetensors")
-    (tmp_path / "a.xml").write_text(SCENE.format(tmp_path / "material.safetensors", path))
+    (tmp_path / "a.xml").write_text(SCENE.format(**saved))
     rays = []
 
     def render(scene, spp, **_):
@@ -91,14 +86,11 @@ def test_the_command_renders_in_separate_kernels(rgb, paper, tmp_path, monkeypat
     assert dr.flag(dr.JitFlag.SymbolicLoops)
 
 
-def test_a_warning_names_the_cure_if_a_path_is_recorded(rgb, paper, tmp_path):
+def test_a_warning_names_the_cure_if_a_path_is_recorded(rgb, saved):
     import drjit as dr
 
-    own, path = paper
-    Material(np.ones((1, 32)), own).save(tmp_path / "material.safetensors")
-    files = {"filename": str(tmp_path / "material.safetensors"), "weights": str(path)}
-    bsdf = rgb.load_dict({"type": "fan2022_brdf", **files})
-    assert str(bsdf) == f"PaperBRDF[filename = {files['filename']}]"
+    bsdf = rgb.load_dict({"type": "fan2022_brdf", **saved})
+    assert str(bsdf) == f"PaperBRDF[filename = {saved['filename']}]"
     si = dr.zeros(rgb.SurfaceInteraction3f)
     si.wi = rgb.Vector3f(0, 0, 1)
 
@@ -110,42 +102,35 @@ def test_a_warning_names_the_cure_if_a_path_is_recorded(rgb, paper, tmp_path):
         dr.while_loop(start, lambda i, _: i < 2, body)
 
 
-def test_a_constant_coat_is_that_of_the_functions(rgb, paper, tmp_path, pairs):
-    own, path = paper
+def test_a_constant_coat_is_that_of_the_functions(rgb, layered, paper, tmp_path, pairs):
     bottom = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.2, 0.4, 0.6]}}
-    coat = {"alpha": 0.2, "int_ior": 1.5, "ext_ior": 1.0, "albedo": 0.5, "sigma_t": 1.0}
-    inner = {"type": "fan2022_layered", "weights": str(path), "bottom": bottom, **coat}
-    bsdf = rgb.load_dict({**inner, "bottom": inner})  # two coats
     top, medium = urushi.dielectric(0.2, 1.5), {"albedo": 0.5, "sigma_t": 1.0}
-    expected = fan2022.encode(urushi.diffuse((0.2, 0.4, 0.6)), own)
+    coat = {"alpha": 0.2, "int_ior": 1.5, "ext_ior": 1.0, **medium}
+    bsdf = layered(bottom=layered(bottom=bottom, **coat), **coat)
+    expected = fan2022.encode(urushi.diffuse((0.2, 0.4, 0.6)), paper)
     for _ in range(2):
         expected = fan2022.layer(top, expected, **medium)
     # Mitsuba's values of the bottom are those of the description but for rounding.
     f = probes.f(bsdf, *pairs)
     np.testing.assert_allclose(f, expected.f(*pairs), rtol=1e-2, atol=1e-3)
     bsdf.save(tmp_path / "coated.safetensors")
-    np.testing.assert_allclose(
-        load(tmp_path / "coated.safetensors", own).latents, bsdf.codes.codes[0]
-    )
-    rgb.traverse(bsdf).update({"alpha.value": 0.5})
+    read = load(tmp_path / "coated.safetensors", paper)
+    np.testing.assert_allclose(read.latents, bsdf.codes.codes[0])
+    rgb.traverse(bsdf).update({"sigma_t.value": 3.0})
     assert np.abs(bsdf.codes.codes[0] - expected.latents).max() > 1e-3
 
 
-def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs):
-    _, path = paper
+def test_a_texture_has_the_constant_coats_of_its_texels(rgb, layered, pairs):
     texels = np.array([[[0.2], [0.8]]], np.float32)
 
-    def bsdf(reflectance, sigma_t):
-        bottom = {"type": "diffuse", "reflectance": reflectance}
-        return rgb.load_dict(
-            {"type": "fan2022_layered", "weights": str(path), "bottom": bottom, "alpha": 0.3,
-             "albedo": 0.5, "sigma_t": sigma_t}
-        )  # fmt: skip
+    def bsdf(value):
+        bottom = {"type": "diffuse", "reflectance": value}
+        return layered(bottom=bottom, alpha=0.3, albedo=0.5, sigma_t=value)
 
     bitmap = {"type": "bitmap", "bitmap": rgb.Bitmap(texels), "raw": True, "filter_type": "nearest"}
-    textured = bsdf(bitmap, bitmap)
+    textured = bsdf(bitmap)
     for texel, value in enumerate((0.2, 0.8)):
-        one = bsdf(value, value)
+        one = bsdf(value)
         f = probes.f(textured, *pairs, (0.25 + 0.5 * texel, 0.5))
         np.testing.assert_allclose(f, probes.f(one, *pairs), rtol=1e-2, atol=1e-3)
     with pytest.raises(ParameterError, match="textures of its codes cannot be saved"):
@@ -154,9 +139,8 @@ def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs):
 
 def test_mip_levels_are_means_of_codes(rgb, paper):
     """At a footprint of 2^k texels, the code is the mean of 2^k x 2^k texels, or of all."""
-    own, _ = paper
     codes = np.random.default_rng(4).normal(size=(32, 1, 32)).astype(np.float32)
-    texture = CodeTexture(own, codes, TexelGrid(8, 4, nearest=True), mipmaps=True)
+    texture = CodeTexture(paper, codes, TexelGrid(8, 4, nearest=True), mipmaps=True)
     si = probing.interaction(np.array([[0.0, 0.0, 1.0]]), np.array([[0.1, 0.2]]))
     grid = codes.reshape(4, 8, 32)
     whole = grid.mean((0, 1))
@@ -165,7 +149,7 @@ def test_mip_levels_are_means_of_codes(rgb, paper):
         si.duv_dx, si.duv_dy = rgb.Vector2f(size / 8, 0), rgb.Vector2f(0, size / 16)
         found = np.array([z.numpy() for z in texture.vertex(si)[0]]).ravel()
         np.testing.assert_allclose(found, mean, atol=1e-5)
-    odd = CodeTexture(own, codes[:15], TexelGrid(5, 3, nearest=True), mipmaps=True)
+    odd = CodeTexture(paper, codes[:15], TexelGrid(5, 3, nearest=True), mipmaps=True)
     found = np.array([z.numpy() for z in odd.vertex(si)[0]]).ravel()
     np.testing.assert_allclose(found, codes[:15].mean((0, 1)), atol=1e-5)
 
@@ -195,11 +179,13 @@ def test_the_grid_resolves_all_textures_over_uv(rgb):
         ({"alpha_u": 0.1, "alpha_v": 0.2}, "the networks are for isotropic lobes"),
         ({"rotation": 30.0}, "the networks are for isotropic lobes"),
         ({"int_ior": 1.0, "ext_ior": 1.5}, "cover indices above 1 only"),
-        ({"weights": None}, "has no weights; give a file"),
     ],
 )
-def test_scenes_that_it_cannot_render_are_refused(rgb, paper, extra, sentence):
-    _, path = paper
-    bsdf = {"type": "fan2022_layered", "weights": str(path), "bottom": {"type": "diffuse"}} | extra
+def test_scenes_that_it_cannot_render_are_refused(layered, extra, sentence):
     with pytest.raises(RuntimeError, match=sentence):
-        rgb.load_dict({k: v for k, v in bsdf.items() if v is not None})
+        layered(bottom={"type": "diffuse"}, **extra)
+
+
+def test_missing_weights_are_named(rgb):
+    with pytest.raises(RuntimeError, match="has no weights; give a file"):
+        rgb.load_dict({"type": "fan2022_layered", "bottom": {"type": "diffuse"}})

@@ -7,7 +7,7 @@ from benchmarks.evaluation import benchmark_set
 from benchmarks.evaluation import fan2022 as evaluation
 from benchmarks.evaluation.samples import Group
 from fan2022 import Material, PaperNetworks, layer, networks
-from fan2022.architecture import PaperArchitecture, init
+from fan2022.architecture import init
 
 import urushi
 from urushi import dielectric
@@ -16,37 +16,24 @@ from urushi.errors import FileError, ParameterError
 from urushi.nets.weights import SHIPPED, default_model, find
 from urushi.train.distribution import Extended
 
-#: Projections of two steps, so that tests are quick.
-ARCH = PaperArchitecture(steps=2, pairs=64)
 
-
-@pytest.fixture(scope="module")
-def paper(positive):
-    return PaperNetworks(ARCH, positive, {})
-
-
-def grey(wi, wo):
-    return np.full(len(wi), 0.3)
-
-
-def test_encode_layer_save_and_load(paper, tmp_path):
+def test_encode_layer_save_and_load(paper, weights, tmp_path):
     """Weights and materials of one system are refused by the other."""
-    bottom = fan2022.encode(grey, paper)
+    bottom = fan2022.encode(lambda wi, wo: np.full(len(wi), 0.3), paper)
     assert bottom.latents.shape == (1, 32)
     assert fan2022.encode(bottom, paper) is bottom
     medium = {"albedo": 0.5, "sigma_t": (0.5, 1.0, 2.0), "g": 0.3}
     coated = layer(dielectric(0.2, 1.5), bottom, **medium)
     assert coated.latents.shape == (3, 32)
-    material, weights = tmp_path / "coated.safetensors", tmp_path / "paper.safetensors"
+    material = tmp_path / "coated.safetensors"
     coated.save(material)
-    paper.save(weights)
     for given in (paper, weights):
         loaded = fan2022.load(material, given)
         np.testing.assert_array_equal(loaded.latents, coated.latents)
     read = PaperNetworks.read(weights)
     assert read.fingerprint == paper.fingerprint and read.arch == paper.arch
     for load, own in (
-        (fan2022.load, PaperNetworks(ARCH, init(4), {})),
+        (fan2022.load, PaperNetworks(paper.arch, init(4), {})),
         (urushi.load, default_model()),
     ):
         with pytest.raises(FileError, match="does not match the weights"):

@@ -65,15 +65,14 @@ def test_the_loss_is_a_number_for_any_values_of_f_and_of_the_network(positive, d
     assert np.isfinite(z).all() and np.isfinite(error).all()
 
 
-def test_encode_uses_the_projection_of_the_weights(positive):
+def test_encode_uses_the_projection_of_the_weights(paper, positive):
     """They take it from the architecture, which the weights file records."""
-    arch = PaperArchitecture(steps=3, pairs=64)
-    assert PaperArchitecture.from_json(arch.to_json()) == arch
-    own = networks.PaperNetworks(arch, positive, {})
-    assert own.fingerprint != networks.PaperNetworks(PaperArchitecture(), positive, {}).fingerprint
-    codes = own.encode(np.full((1, 2, networks.PAIRS), 0.3, np.float32))
+    assert PaperArchitecture.from_json(paper.arch.to_json()) == paper.arch
+    other = networks.PaperNetworks(PaperArchitecture(), positive, {})
+    assert paper.fingerprint != other.fingerprint
+    codes = paper.encode(np.full((1, 2, networks.PAIRS), 0.3, np.float32))
     assert codes.shape == (1, 2, 32)
-    assert 0 < np.abs(codes - 1).max() <= 3 * projection.RATE * 1.01
+    assert 0 < np.abs(codes - 1).max() <= paper.arch.steps * projection.RATE * 1.01
 
 
 @pytest.fixture
