@@ -16,17 +16,17 @@ def params():
 
 @pytest.fixture(scope="session")
 def positive():
-    """Random networks whose values are positive nearly everywhere, and whose proposals differ."""
+    """Random networks whose values are mostly positive, and whose proposals differ."""
     from fan2022.architecture import init
 
-    params = init(3)
-    bias = params["evaluation.3.bias"] + np.float32(0.5)
+    params = init(5)
+    bias = params["evaluation.3.bias"] + np.float32(0.3)
     return params | {"evaluation.3.bias": bias, "proxy.4.weight": 20 * params["proxy.4.weight"]}
 
 
 @pytest.fixture(scope="session")
 def paper(positive):
-    """Their weights, with projections of two steps, so that tests are quick."""
+    """Their weights, with projections of few steps, so that tests are quick."""
     from fan2022 import PaperNetworks
     from fan2022.architecture import PaperArchitecture
 

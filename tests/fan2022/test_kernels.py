@@ -116,7 +116,7 @@ def test_a_constant_coat_is_that_of_the_functions(rgb, layered, paper, tmp_path,
     bsdf.save(tmp_path / "coated.safetensors")
     read = load(tmp_path / "coated.safetensors", paper)
     np.testing.assert_allclose(read.latents, bsdf.codes.codes[0])
-    rgb.traverse(bsdf).update({"sigma_t.value": 3.0})
+    rgb.traverse(bsdf).update({"alpha.value": 0.5})
     assert np.abs(bsdf.codes.codes[0] - expected.latents).max() > 1e-3
 
 

@@ -60,6 +60,7 @@ def test_a_sampler_is_fitted_to_networks_that_came_without_one(monkeypatch, posi
     for name in ("COMPONENTS", "STACKS", "INCOMING"):
         monkeypatch.setattr(proxy, name, 2)
     params = {k: v for k, v in positive.items() if not k.startswith("proxy.")}
+    params["evaluation.3.bias"] = np.float32([0.5])  # so that nearly all values are positive
     fitted, divergence = proxy.fitted_proxy(params, PaperArchitecture(steps=1, pairs=64))
     assert set(fitted) == {k for k in init(0) if k.startswith("proxy.")}
     assert 0 < divergence < 0.5  # from nearly constant values to lobes
