@@ -5,11 +5,7 @@ import pytest
 from fan2022.architecture import init
 from fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture, proxy
 from tests import mixtures
-
-
-def direction(degrees: float) -> np.ndarray:
-    theta = np.radians(degrees)
-    return np.array([np.sin(theta), 0, np.cos(theta)])
+from tests.directions import in_plane
 
 
 @pytest.mark.parametrize(("sigma", "share"), [(0.1, 0.9), (0.5, 0.98), (1.0, 0.5)])
@@ -17,7 +13,7 @@ def direction(degrees: float) -> np.ndarray:
 def test_samples_follow_the_density(sigma, share, degrees, sphere_test):
     """Chi-squared over the whole sphere: normalisation included, nothing below the horizon."""
     mixture = GaussianMixture(np.float64(sigma), np.float64(share))
-    wi = direction(degrees)
+    wi = in_plane(degrees).astype(float)
     u = np.random.default_rng(6).random((100_000, 3))
     wo = mixtures.sample(mixture, wi[None], u)
     np.testing.assert_allclose(np.linalg.norm(wo, axis=1), 1, atol=1e-9)

@@ -37,23 +37,18 @@ def files(params, tmp_path_factory):
     ]
 
 
-def theirs(params, top, bottom, albedo, sigma_t):
-    """`layering.py` of the authors: layerer(input - 1) + 1, albedo and sigma_t plus 1 before."""
-    x = np.concatenate([top, bottom, albedo[:, None] + 1, sigma_t[:, None] + 1], axis=1)
-    return architecture.apply(params, LAYERING, x - 1) + 1
-
-
 def test_networks_keep_their_values(params, files, pairs):
+    """The layering is `layering.py`: layerer(input - 1) + 1, albedo and sigma_t plus 1 before."""
     read = published.networks(*files)
     rng = np.random.default_rng(2)
     z = (1 + 0.5 * rng.normal(size=(300, 32))).astype(np.float32)
     directions = direction_inputs(*(w[:300] for w in pairs))
     np.testing.assert_array_equal(evaluate(read, z, directions), evaluate(params, z, directions))
     albedo, sigma_t = rng.random((2, 300)).astype(np.float32)
-    expected = theirs(params, z, z[::-1], albedo, sigma_t)
-    np.testing.assert_allclose(
-        layer(read, z, z[::-1], albedo, sigma_t), expected, atol=1e-5 * np.abs(expected).max()
-    )
+    x = np.concatenate([z, z[::-1], albedo[:, None] + 1, sigma_t[:, None] + 1], axis=1)
+    expected = architecture.apply(params, LAYERING, x - 1) + 1
+    found = layer(read, z, z[::-1], albedo, sigma_t)
+    np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
 
 
 def test_checkpoints_parameters_doubles_and_halves_are_read(params, files, tmp_path):
@@ -70,23 +65,10 @@ def test_checkpoints_parameters_doubles_and_halves_are_read(params, files, tmp_p
             np.testing.assert_allclose(value, expected[name], rtol=tolerance, atol=tolerance)
 
 
-def test_tensors_that_share_a_storage_are_cut_out_of_it(tmp_path):
-    values = np.arange(24, dtype=np.float32)
-    program = dictionary(
-        {
-            "first": tensor(values, "0", shape=(2, 3)),
-            "turned": tensor(values, "0", shape=(3, 2), strides=(1, 3), offset=12),
-        }
-    )
-    arrays = state_dict(write(tmp_path / "a.pth", program, {"0": values.tobytes()}))
-    np.testing.assert_array_equal(arrays["first"], values[:6].reshape(2, 3))
-    np.testing.assert_array_equal(arrays["turned"], values[12:18].reshape(2, 3).T)
-
-
 def test_files_that_pytorch_1_2_wrote_in_the_authors_form_are_read(tmp_path):
     """The bound method `state_dict`; `published/save.py` wrote the files and the outputs.
 
-    The format is the older one, in which damage is seen, too.
+    All parameters are views of one storage. The format is the older one; damage is seen there, too.
     """
     folder = Path(__file__).parent / "published"
     read = published.networks(folder / "RepreNetwork.pth", folder / "LayeringNetwork.pth")

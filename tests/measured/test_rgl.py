@@ -78,12 +78,13 @@ def test_spectra_agree_with_mitsuba(tmp_path, random_directions, turn):
     np.testing.assert_allclose(brdf.f(wi, wo), expected, rtol=1e-5, atol=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore:encode Rgl")  # made-up values are not reciprocal
 def test_an_anisotropic_file_is_encoded_by_its_networks(tmp_path):
-    paths = [tmp_path / "brushed.bsdf", tmp_path / "plain.bsdf"]
-    fields = writers.rgl_ggx_fields((0.4, 0.2), (0.9, 0.6, 0.3), azimuths=6, elevations=8)
-    paths[0].write_bytes(writers.tensor_file(fields))
-    paths[1].write_bytes(writers.tensor_file(writers.rgl_ggx_fields(0.3, (0.9, 0.6, 0.3))))
-    assert [urushi.encode(load_measured(path)).model.widths for path in paths] == [2, 1]
+    for azimuths, widths in ((np.linspace(-np.pi, -np.pi / 2, 6), 2), (None, 1)):
+        fields = writers.rgl_fields(np.random.default_rng(0), azimuths=azimuths)
+        path = tmp_path / "made_up.bsdf"
+        path.write_bytes(writers.tensor_file(fields))
+        assert urushi.encode(load_measured(path)).model.widths == widths
 
 
 def test_the_walk_takes_isotropic_materials():

@@ -100,40 +100,27 @@ def rgl_fields(rng, *, wavelengths=None, size=8, elevations=4, azimuths=None):
     return rgl_tensors(phi_i, theta_i, *areas, vndf, colour, wavelengths)
 
 
-def rgl_ggx_fields(alpha, r0, *, wavelengths=None, azimuths=None, elevations=48, size=97):
+def rgl_ggx_fields(alpha, r0, *, wavelengths=None, elevations=48, size=97):
     """The tensors of a GGX conductor with Schlick's reflectances r0 (channels,).
 
-    alpha: one width, or two of a material that is measured at azimuths of a quarter of a turn.
     `vndf` is uniform, so that its warp is the identity. With sigma = cos_i / G1(wi), the format
     stores F(wi.m) G1(wo).
     """
-    alpha_u, alpha_v = np.broadcast_to(alpha, 2)
-    node = np.linspace(0, 1, size)
-    phi_i = np.zeros(1) if azimuths is None else np.linspace(-np.pi, -np.pi / 2, azimuths)
-    theta_i = np.linspace(0, np.pi / 2, elevations)
-    theta_m, phi_m = node**2 * np.pi / 2, (2 * node - 1) * np.pi
+    node, theta_i = np.linspace(0, 1, size), np.linspace(0, np.pi / 2, elevations)
+    theta_m, phi_m = node**2 * np.pi / 2, (2 * node[:, None] - 1) * np.pi
 
-    def vector(theta, phi):
-        parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
-        return np.stack(np.broadcast_arrays(*parts), axis=-1)
+    def g1(cosine):
+        stretched = np.sqrt(alpha**2 * (1 - cosine**2) + cosine**2)
+        return 2 * np.abs(cosine) / (np.abs(cosine) + stretched)
 
-    def g1(w):
-        x, y, z = np.moveaxis(w, -1, 0)
-        stretched = np.sqrt((alpha_u * x) ** 2 + (alpha_v * y) ** 2 + z**2)
-        return 2 * np.abs(z) / (np.abs(z) + stretched)
-
-    m = vector(theta_m[None, :], phi_m[:, None])  # (azimuth, elevation, 3)
-    wi = vector(theta_i[None, :], phi_i[:, None])[:, :, None, None]
-    cos_d = (wi * m).sum(axis=-1)
-    wo = 2 * cos_d[..., None] * m - wi
-    fresnel = np.multiply.outer(1 - np.asarray(r0), (1 - np.maximum(cos_d, 0)) ** 5)
-    fresnel += np.reshape(r0, (-1, 1, 1, 1, 1))
-    colour = np.moveaxis(fresnel * g1(wo), 0, 2)
-    squared = (m[..., 0] / alpha_u) ** 2 + (m[..., 1] / alpha_v) ** 2 + m[..., 2] ** 2
-    ndf = 1 / (np.pi * alpha_u * alpha_v * squared**2)
-    above = vector(np.minimum(theta_m, 1.5707)[None, :], phi_m[:, None])
-    sigma = above[..., 2] / g1(above)
-    if azimuths is None:  # rows are azimuths: those of one do not differ
-        ndf, sigma = (np.tile(x[:1], (2, 1)) for x in (ndf, sigma))
-    flat = np.ones((len(phi_i), elevations, 2, 2))
-    return rgl_tensors(phi_i, theta_i, ndf, sigma, flat, colour, wavelengths)
+    cos_m, cos_i = np.cos(theta_m), np.cos(theta_i)[:, None, None]
+    cos_d = np.sin(theta_i)[:, None, None] * np.sin(theta_m) * np.cos(phi_m) + cos_i * cos_m
+    cos_o = 2 * cos_d * cos_m - cos_i  # (elevation of wi, azimuth of m, elevation of m)
+    r0 = np.reshape(r0, (-1, 1, 1, 1))
+    fresnel = r0 + (1 - r0) * (1 - np.maximum(cos_d, 0)) ** 5
+    colour = np.swapaxes(fresnel * g1(cos_o), 0, 1)[None]
+    ndf = 1 / (np.pi * (alpha * ((1 - cos_m**2) / alpha**2 + cos_m**2)) ** 2)
+    above = np.maximum(cos_m, 1e-4)
+    areas = (np.tile(x, (2, 1)) for x in (ndf, above / g1(above)))  # rows are azimuths
+    flat = np.ones((1, elevations, 2, 2))
+    return rgl_tensors(np.zeros(1), theta_i, *areas, flat, colour, wavelengths)

@@ -51,19 +51,6 @@ def test_broken_reciprocity_is_found(sets, tiny, monkeypatch):
     assert not of(figures, "smallest f").kept
 
 
-def test_the_reference_itself_tends_to_the_bottom(sets):
-    """The coat that networks should make vanish does vanish, in E, in the simulator."""
-    bare = sets["bare"]
-    shape = (len(bare.table), 1)
-    coats = {
-        name: np.full(shape, x, np.float32) for name, x in physical_laws.VANISHING._asdict().items()
-    }
-    table = type(bare.table)(**coats, kind=bare.table.kind, bottom=bare.table.bottom)
-    f, _ = sampling.walk_all(table, bare.wi, bare.wo, 1024, seed=3)
-    # Grazing pairs lose some light by the shadowing of even the smoothest interface.
-    assert (sampling.stack_errors(f, bare) < physical_laws.VANISHING_ERROR).all()
-
-
 def test_f_that_rises_with_absorption_is_found(tiny, monkeypatch):
     def brighter(coat, bottom):
         codes = np.array(bottom.latents)
