@@ -8,7 +8,7 @@ from urushi.errors import ParameterError, UrushiWarning
 from urushi.material import encode as package_encode
 from urushi.material.encode import encode
 from urushi.material.source import Source, as_source
-from urushi.walk import analytic, coat, conductor, dielectric, diffuse, slab
+from urushi.walk import analytic, conductor, diffuse, slab
 
 
 def test_a_function_and_its_description_encode_alike(model):
@@ -19,22 +19,7 @@ def test_a_function_and_its_description_encode_alike(model):
         np.testing.assert_allclose(found[:, codes], expected[:, codes], atol=1e-4)
 
 
-@pytest.mark.parametrize(
-    "source",
-    [
-        conductor(0.3, (0.9, 0.5, 0.2)),
-        dielectric(0.2, 1.5),
-        diffuse(0.4),
-        coat(conductor(0.3, 0.9), alpha=0.2, eta=1.5, albedo=0.5, sigma_t=1),
-    ],
-)
-def test_descriptions_and_stacks_have_three_channels_and_the_same_codes_every_time(source, model):
-    material = encode(source, model)
-    assert material.latents.shape == (3, model.arch.latent)
-    assert encode(source, model) == material
-
-
-def test_one_channel_functions(model):
+def test_functions_of_one_channel_have_the_same_code_every_time(model):
     grey = encode(lambda wi, wo: np.full(len(wi), 0.3), model)
     column = encode(lambda wi, wo: np.full((len(wi), 1), 0.3), model)
     assert grey == column and grey.channels == 1

@@ -164,16 +164,6 @@ def test_white_scattering_slabs_lose_no_light() -> None:
             assert np.all(np.abs(own.shares(w).sum(axis=0)[:, 0] - 1) < 0.005)
 
 
-def test_transmission_is_reciprocal() -> None:
-    wi, wo = cosine_pairs(np.random.default_rng(1), 256)
-    for name in ("paper", "body", "coats on glass"):
-        own = tables(FIRST[name])
-        for near, far in ((wi, wo), (wi * DOWN, wo * DOWN)):
-            np.testing.assert_array_equal(own.f(near, far), own.f(far, near))
-        down, up = own.f(wi, wo * DOWN), own.f(wo * DOWN, wi)
-        np.testing.assert_allclose(down, up * own.eta**2, rtol=1e-5)
-
-
 HORIZON = [0.45, 0.3, 0.2, 0.1, 0.05]
 #: About the angle of total reflection, where cells of the table of transmission hold 0.025 too much
 ALL = [0.98, 0.8, 0.735, 0.7, 0.6, 0.4, 0.25, 0.12]

@@ -2,6 +2,7 @@
 
 import mitsuba as mi
 import numpy as np
+from tests.directions import at_cosines
 from tests.mitsuba.probes import evaluated
 
 from urushi.core.direction_sets import cosine_pairs
@@ -32,9 +33,7 @@ def anywhere(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 def toward(cosine: float, degrees: float | np.ndarray = 36.87) -> np.ndarray:
     """Directions (3,) or (N, 3) of a cosine to the normal and of azimuths."""
-    sine, azimuth = (1 - cosine**2) ** 0.5, np.radians(degrees)
-    parts = sine * np.cos(azimuth), sine * np.sin(azimuth), cosine
-    return np.stack(np.broadcast_arrays(*parts), -1)
+    return at_cosines(cosine, np.radians(degrees))
 
 
 def values(bsdf, wi, wo, repeats: int = 1) -> np.ndarray:

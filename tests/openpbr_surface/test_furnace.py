@@ -1,4 +1,7 @@
-"""White furnaces of coats, films and panes of `openpbr`; `test_laws` has those of bases."""
+"""White furnaces of coats, films and panes of `openpbr`, and weights of its samples.
+
+`test_laws` has the furnaces of bases.
+"""
 
 import itertools
 from dataclasses import dataclass
@@ -134,3 +137,30 @@ def test_a_rough_slab_becomes_the_closed_form_as_its_roughness_vanishes(ior):
         values(loaded(**shared, base_diffuse_roughness=x), *pairs(300)) for x in (0.0, zero)
     )
     np.testing.assert_allclose(texture, number, rtol=2e-5)
+
+
+FUZZ = {"fuzz_weight": 1.0, "base_color": (0.02, 0.02, 0.02)}
+CLEAR = {"transmission_weight": 1.0, "interior": True}
+
+
+@pytest.mark.parametrize(
+    ("parameters", "most"),
+    [
+        # Of both shares, what is below the fuzz has the least weights.
+        (FUZZ | {"fuzz_roughness": 0.2}, 1.5),
+        (FUZZ | {"fuzz_roughness": 1.0}, 1.5),
+        # Light that meets several facets leaves by no lobe of the proposal.
+        (CLEAR, 5),
+        (CLEAR | {"thin_film_weight": 1.0, "thin_film_ior": 1.8, "thin_film_thickness": 0.4}, 5),
+        (CLEAR | {"specular_roughness": 0.8}, 5),
+    ],
+)
+def test_no_sample_has_a_large_weight(parameters, most):
+    """f cos over the density is the albedo, at most one, where the density has the shape of f.
+
+    Light from 20, 50, 65 and 80 degrees, on each side that light comes from.
+    """
+    bsdf, mode = loaded(**parameters), "Importance" if "interior" in parameters else "Radiance"
+    for side in (1, -1) if "interior" in parameters else (1,):
+        wi = np.stack([toward(side * np.cos(np.radians(x)), 0.0) for x in (20, 50, 65, 80)])
+        assert sampled(bsdf, wi, 1 << 14, mode=mode)[0].max() < most

@@ -1,9 +1,11 @@
 """The plugin `openpbr`: the base in closed form, its coat against the walk, film, fuzz, frames."""
 
+from unittest.mock import Mock
+
 import mitsuba as mi
 import numpy as np
 import pytest
-from tests.mitsuba.probes import evaluated, nearly, sampled, strip
+from tests.mitsuba.probes import evaluated, nearly, sampled, spheres, strip
 from tests.openpbr_surface.probes import error, loaded, pairs, toward, values
 from tests.oracles.analog import analog_albedo
 from tests.oracles.slab import interface_reflectance
@@ -267,3 +269,17 @@ def test_reference_may_be_named_by_the_plugin_of_the_coat():
     assert np.array_equal(values(loaded(reference="layered", **shared), wi, wo), walk)
     assert np.array_equal(values(loaded(reference="neural_layered", **shared), wi, wo), networks)
     assert not np.array_equal(walk, networks)
+
+
+@pytest.mark.slow
+def test_a_path_computes_a_vertex_once(monkeypatch):
+    """Light and continuation share the codes and the parameters of the vertex."""
+    bsdf, calls = loaded(coat_weight=1.0), {}
+    for name in ("_vertex", "_f_and_pdf"):
+        calls[name] = Mock(side_effect=getattr(bsdf.surface, name))
+        monkeypatch.setattr(bsdf.surface, name, calls[name])
+    picture = mi.render(mi.load_dict(spheres(bsdf, size=4)), spp=1)
+    assert np.isfinite(np.array(picture)).all()
+    # Towards the light and along the drawn direction, as often as the loop is recorded.
+    assert calls["_vertex"].call_count
+    assert calls["_f_and_pdf"].call_count == 2 * calls["_vertex"].call_count

@@ -16,9 +16,9 @@ PIXELS = np.random.default_rng(3).random((6, 9, 3)).astype(np.float32)
 FILE = ("filename", "a.exr")
 IMAGE = element("image", "color3", "i", file=FILE)
 RAMP = element("ramplr", "color3", "r", valuer=(1, 1, 1))
-BASE_COLOR = """<open_pbr_surface name="s" type="surfaceshader">
-    <input name="base_color" type="color3" nodename="n"/></open_pbr_surface>"""
-NORMAL = BASE_COLOR.replace("base_color", "geometry_normal").replace("color3", "vector3")
+SHADER = "open_pbr_surface", "surfaceshader", "s"
+BASE_COLOR = element(*SHADER, base_color=("color3", "@n"))
+NORMAL = element(*SHADER, geometry_normal=("vector3", "@n"))
 
 
 @pytest.fixture
