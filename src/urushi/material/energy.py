@@ -63,7 +63,7 @@ ALBEDO_WEIGHTS = 0.25, 1.0, 4.0, 16.0, 64.0, 256.0
 
 
 def lobe_albedos(lobe: np.ndarray) -> np.ndarray:
-    """Directional albedos float32 (N, K) of lobes (N, 6) of one width, or (N, 7) of two.
+    """Directional albedos float32 (..., K) of lobes (..., 6) of one width, or (..., 7) of two.
 
     They are means over visible facets, with an error of at most 0.004. Lobes whose numbers are
     equal in half precision are measured once.
@@ -76,10 +76,11 @@ def lobe_albedos(lobe: np.ndarray) -> np.ndarray:
         facets = mirrored(wi, lobes.width(some), points)
         return (lobes.reflectance(some, facets.cosine) * facets.masking).mean(axis=-1)
 
-    different, which = np.unique(lobe.astype(np.float16), axis=0, return_inverse=True)
+    flat = lobe.reshape(-1, lobe.shape[-1]).astype(np.float16)
+    different, which = np.unique(flat, axis=0, return_inverse=True)
     result = np.empty((len(different), len(rule.directions)), np.float32)
     fill_blocks(result, measure, different.astype(np.float32), rows=LOBES)
-    return result[which.ravel()]
+    return result[which.reshape(lobe.shape[:-1])]
 
 
 def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:

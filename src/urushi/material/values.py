@@ -146,28 +146,33 @@ def _with_widths(source: Source, widths: int) -> Source:
 def material_from_values(
     values: np.ndarray, model: Model, *, lobe: np.ndarray | None = None
 ) -> Material:
-    """The material of values (N, C) at `required_pairs`, or at `model.networks.pairs()` alone.
+    """The material of values (N, C); the arguments are those of `codes_of_values`."""
+    return Material(codes_of_values(values.T, model, lobe), model)
 
-    Its directional albedo is about the values' albedo, and at most 1, also if the values at the
-    nodes are missing (see `urushi.material.energy`).
+
+def codes_of_values(values: np.ndarray, model: Model, lobe: np.ndarray | None = None) -> np.ndarray:
+    """Codes float32 (..., C, L) of values at `required_pairs`, or at `networks.pairs()` alone.
+
+    Their directional albedos are about those of the values, and at most 1, also if the values at
+    the nodes are missing (see `urushi.material.energy`).
 
     Args:
-        values: (N, C) [1/sr].
+        values: (..., C, N) [1/sr], of channels that share the stretch of two widths.
         model: the basis.
-        lobe: (N,) or (C, N) the channels' lobes; None: they are fitted to the values.
+        lobe: (L',) or (..., C, L') the lobes; None: they are fitted to the values.
     """
     pairs = len(model.networks.pairs()[0])
-    probed, at_nodes = values[:pairs].T, values[pairs:].T
+    probed, at_nodes = values[..., :pairs], values[..., pairs:]
     lobe = fit_lobes(probed, model.widths) if lobe is None else np.asarray(lobe, np.float32)
-    lobe = np.broadcast_to(lobe, (len(probed), lobe.shape[-1]))
+    lobe = np.broadcast_to(lobe, (*probed.shape[:-1], lobe.shape[-1]))
     codes = model.networks.encode(probed, lobe)
     bounds: tuple[np.ndarray, ...] = ()
     if at_nodes.size:
         rule = albedo_rule(model.widths)
-        rest = np.maximum(at_nodes - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)
+        rest = np.maximum(at_nodes - lobes.f(lobe[..., None, :], rule.wi, rule.wo), 0.0)
         # The nodes are too few for the sharpest lobes, whose albedos are computed separately.
         bounds = energy.albedo_bounds(rule.albedo(rest) + energy.lobe_albedos(lobe), rule)
-    return Material(energy.nearest_within(model, codes, *bounds), model)
+    return energy.nearest_within(model, codes, *bounds)
 
 
 def _checked(values: Any, name: str, count: int) -> np.ndarray:

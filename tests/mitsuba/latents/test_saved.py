@@ -144,7 +144,7 @@ def test_a_whole_file_whose_texels_do_not_fill_its_grid_is_refused(rgb, networks
     texture, grid, model = read_texture(path, weights.find(networks))
     write_texture(path, texture, grid._replace(**size), model.fingerprint)
     with pytest.raises(RuntimeError, match="FileError: .* is damaged .*do not fill its grid"):
-        loaded(rgb, path, networks)
+        loaded(path, networks)
 
 
 def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):

@@ -10,7 +10,7 @@ import numpy as np
 from urushi.core.table import node_pairs, table_of_values
 from urushi.material.material import Material
 from urushi.material.symmetry import symmetrise
-from urushi.material.values import encode_source
+from urushi.material.values import codes_of_values, encode_source, required_pairs
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import reflection_source
@@ -80,8 +80,13 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
     return material
 
 
-def probed_codes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray:
-    """Codes (M, C, L) of a bottom at points uv (M, 2)."""
+def probed_codes(
+    model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str, bounded: bool = False
+) -> np.ndarray:
+    """Codes (M, C, L) of a bottom at points uv (M, 2).
+
+    bounded: whether they have the bottom's albedo, which takes some times as many evaluations.
+    """
     nested = nested_latents(bottom, model)
     if nested is not None:
         return nested.at(uv)
@@ -93,9 +98,12 @@ def probed_codes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) ->
         return np.concatenate([lobe, rest], axis=-1)
     pairs = model.networks.pairs()
     average = probing.needed_averaging(bottom, *pairs, uv, where, model.widths)
-    f = probing.check_values(probing.texel_values(bottom, *pairs, uv, average), where)
-    # Each row is a material of its own.
-    return model.networks.encode(f[:, :, None], None if lobe is None else lobe[:, :, None])[:, :, 0]
+    if bounded:
+        pairs = required_pairs(None, model, table=False)
+    f = probing.check_values(probing.texel_values(bottom, *pairs, uv, average), where)[:, :, None]
+    lobe = None if lobe is None else lobe[:, :, None]  # each row is a material of its own
+    codes = codes_of_values(f, model, lobe) if bounded else model.networks.encode(f, lobe)
+    return codes[:, :, 0]
 
 
 def probed_tables(

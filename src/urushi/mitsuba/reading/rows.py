@@ -194,7 +194,7 @@ class BottomRows:
             bsdf, uv = self._of_rows(some), along_u(_count(some))
             with wavelengths_of(some, len(uv)):
                 if model.widths == 2 or known_surface(bsdf).lobe_only:
-                    codes.append(probed_codes(model, bsdf, uv, self._where))
+                    codes.append(probed_codes(model, bsdf, uv, self._where, bounded=True))
                 else:
                     tables.append(probed_tables(model, bsdf, uv, self._where, channels))
         if codes:
