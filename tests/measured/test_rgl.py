@@ -118,27 +118,23 @@ def test_f_is_finite_not_negative_and_isotropic(material, random_directions):
     np.testing.assert_array_equal(along, np.broadcast_to(along[:, :1], along.shape))
 
 
-def colours(nm, spectra):
-    """Linear sRGB (N, 3) of reflectance spectra (N, W) at every nanometre nm (W,), by Mitsuba."""
+def test_spectra_are_converted_by_the_cie_observer_under_d65():
+    """Mitsuba's observer and light, at every nanometre."""
     import mitsuba as mi
 
     mi.set_variant("scalar_spectral")
-    d65 = mi.load_dict({"type": "d65"})
-    si = mi.SurfaceInteraction3f()
+    nm = np.arange(360.0, 831.0)
+    spectra = 0.4 + 0.3 * np.sin(np.outer([1, 2, 3, 4], nm / 60))
+    d65, si = mi.load_dict({"type": "d65"}), mi.SurfaceInteraction3f()
     light = np.zeros(len(nm))
     for i, wavelength in enumerate(nm):
         si.wavelengths = [wavelength] * 4
         light[i] = d65.eval(si)[0]
     observer = np.array([mi.cie1931_xyz(float(x)) for x in nm])
     xyz = (spectra * light) @ observer / (light @ observer[:, 1])
-    return np.array([mi.xyz_to_srgb(mi.Color3f(*row)) for row in xyz])
-
-
-def test_spectra_are_converted_by_the_cie_observer_under_d65():
-    nm = np.arange(360.0, 831.0)
-    spectra = 0.4 + 0.3 * np.sin(np.outer([1, 2, 3, 4], nm / 60))
+    expected = [mi.xyz_to_srgb(mi.Color3f(*row)) for row in xyz]
     # Tables every 5 nm on both sides; the matrix has four digits, and its white is off by 1e-3.
-    np.testing.assert_allclose(spectra @ srgb_weights(nm), colours(nm, spectra), atol=3e-3)
+    np.testing.assert_allclose(spectra @ srgb_weights(nm), expected, atol=3e-3)
     nm = np.linspace(360, 1000, 30)  # also beyond visible light; a constant spectrum is neutral
     np.testing.assert_allclose(srgb_weights(nm).sum(0), 1, rtol=1e-12)
     np.testing.assert_allclose(srgb_weights(nm)[nm > 820], 0)

@@ -44,11 +44,6 @@ def codes(model) -> np.ndarray:
     return np.concatenate([lobe, rest, stretch], axis=1).astype(np.float32)
 
 
-def components_of(wi, wo):
-    """wi + wo and wi - wo."""
-    return [Components(*w.T.astype(float)) for w in (wi + wo, wi - wo)]
-
-
 @pytest.fixture(scope="module")
 def pairs():
     return cosine_pairs(np.random.default_rng(1), 400, lowest_cosine=0.02)
@@ -93,7 +88,7 @@ def test_a_table_is_the_sum_of_its_terms(model, codes):
     z = codes[1:2]
     wi, wo = node_pairs()
     above = (wi[:, 2] > 0.05) & (wo[:, 2] > 0.05) & (np.arange(len(wi)) % 7 == 0)
-    both, apart = components_of(wi[above], wo[above])
+    both, apart = (Components(*w[above].T.astype(float)) for w in (wi + wo, wi - wo))
     _, factors = stretched(both, apart, 1.0, NUMPY)
     terms = model.networks.table(z).reshape(-1, 1 + FACTORS)[above]
     logs = (terms * np.stack([np.ones_like(factors[0]), *factors], axis=-1)).sum(axis=1)

@@ -62,9 +62,3 @@ def store(tmp_path_factory) -> TableStore:
     for shard in made.missing():
         files.write_tensors(made.file(shard), "tables", description, made_shard(TINY.data, shard))
     return made
-
-
-@pytest.fixture(scope="session")
-def tiny_data(store):
-    """The folder of its data."""
-    return store.path

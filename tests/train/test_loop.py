@@ -16,7 +16,7 @@ from urushi.train.training import train
 
 
 @pytest.fixture(scope="module")
-def whole(tiny, tiny_data, tmp_path_factory):
+def whole(tiny, store, tmp_path_factory):
     """A model, its run folder, and a copy of the folder as an interruption would have left it.
 
     That is after the first checkpoint.
@@ -31,7 +31,7 @@ def whole(tiny, tiny_data, tmp_path_factory):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Journal, "save", copied)
-        model = train(tiny, data=tiny_data, out=folder / "weights.safetensors", run=folder)
+        model = train(tiny, data=store.path, out=folder / "weights.safetensors", run=folder)
     return model, folder, copy
 
 
@@ -40,10 +40,10 @@ def log(folder):
     return [{k: v for k, v in line.items() if k != "seconds"} for line in lines]
 
 
-def test_an_interrupted_training_resumes_to_the_same_bits(whole, tiny, tiny_data, tmp_path):
+def test_an_interrupted_training_resumes_to_the_same_bits(whole, tiny, store, tmp_path):
     model, folder, copy = whole
     shutil.copytree(copy, tmp_path / "run")
-    resumed = train(tiny, data=tiny_data, run=tmp_path / "run", resume=True)
+    resumed = train(tiny, data=store.path, run=tmp_path / "run", resume=True)
     assert resumed.fingerprint == model.fingerprint
     assert log(tmp_path / "run") == log(folder)
 
@@ -79,29 +79,27 @@ def test_metrics_are_those_of_the_written_weights(whole, tiny, store):
     assert told == pytest.approx(figures, rel=1e-3)
 
 
-def test_an_interrupted_training_is_not_overwritten(whole, tiny, tiny_data):
+def test_an_interrupted_training_is_not_overwritten(whole, tiny, store):
     with pytest.raises(FileError, match="contains a training already; give --resume"):
-        train(tiny, data=tiny_data, run=whole[1])
+        train(tiny, data=store.path, run=whole[1])
 
 
-def test_a_checkpoint_of_another_preset_or_a_damaged_one_is_refused(
-    whole, tiny, tiny_data, tmp_path
-):
+def test_a_checkpoint_of_another_preset_or_a_damaged_one_is_refused(whole, tiny, store, tmp_path):
     shutil.copy(whole[1] / "checkpoint.safetensors", tmp_path)
     with pytest.raises(FileError, match="is a checkpoint of another preset, data or version"):
-        train(dataclasses.replace(tiny, seed=9), data=tiny_data, run=tmp_path, resume=True)
+        train(dataclasses.replace(tiny, seed=9), data=store.path, run=tmp_path, resume=True)
     file = tmp_path / "checkpoint.safetensors"
     file.write_bytes(file.read_bytes()[:-100])
     with pytest.raises(FileError, match="is truncated"):
-        train(tiny, data=tiny_data, run=tmp_path, resume=True)
+        train(tiny, data=store.path, run=tmp_path, resume=True)
 
 
-def test_unwritable_paths_are_refused_before_the_training(tiny, tiny_data, tmp_path):
+def test_unwritable_paths_are_refused_before_the_training(tiny, store, tmp_path):
     (tmp_path / "file").write_text("text")
     with pytest.raises(FileError, match="cannot create the folder"):
-        train(tiny, data=tiny_data, run=tmp_path / "file" / "run")
+        train(tiny, data=store.path, run=tmp_path / "file" / "run")
     with pytest.raises(FileError, match="it is a folder; give the name of a file"):
-        train(tiny, data=tiny_data, run=tmp_path / "run", out=tmp_path)
+        train(tiny, data=store.path, run=tmp_path / "run", out=tmp_path)
 
 
 @pytest.mark.parametrize("name", presets.NAMES)

@@ -9,13 +9,11 @@ from tests.untrained import untrained
 from urushi.nets.weights import Model
 from urushi.train.distribution import Extended
 
-#: Small ones: one with everything that a group may have, and one that is analytic.
-GROUPS = (Group("few", Table2(1), 3, probed=(1,)), Group("bare", Extended(0, "mixture"), 3))
-
 
 @pytest.fixture(scope="session")
 def groups() -> tuple[Group, ...]:
-    return GROUPS
+    """Small ones: one with everything that a group may have, and one that is analytic."""
+    return Group("few", Table2(1), 3, probed=(1,)), Group("bare", Extended(0, "mixture"), 3)
 
 
 @pytest.fixture(scope="session")

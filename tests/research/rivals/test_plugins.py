@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from research.rivals import belcour, weidlich
+from research.rivals import belcour, plugins, weidlich
 from tests.mitsuba import sampling
 from tests.mitsuba.probes import f
 
@@ -11,6 +11,11 @@ import urushi
 GOLD = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "eta": 0.2, "k": 3.9}
 COAT = {"type": "layered_belcour", "int_ior": 1.5, "ext_ior": 1.0}
 COLOURS = (0.1, 1.0, 3.0)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def registered():
+    plugins.register()
 
 
 def rgb_value(*values: float) -> dict:
