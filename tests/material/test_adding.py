@@ -35,23 +35,17 @@ def test_media_are_those_of_the_solver_on_another_grid(albedo, sigma_t, g):
     tolerance = adding.FIRST_DEPTH * (2 + sigma_t / 2) + 4 * abs(g) ** (2 * own.azimuths.size - 2)
     ends = np.r_[0.5, np.ones(len(own.azimuths) - 2), 0.5]  # of the trapezium rule
     share = np.multiply.outer(np.outer(own.weights, own.weights), ends)
-    both = zip(adding.medium(albedo, sigma_t, g), solved(albedo, sigma_t, g), strict=True)
-    for modes, expected in both:
-        found = own.values_of_modes(modes)
-        assert (np.abs(found - expected) * share).sum() < tolerance * (expected * share).sum()
-        light, expected_light = (m[0] @ own.weights for m in (modes, own.modes(expected)))
-        np.testing.assert_allclose(light, expected_light, rtol=0, atol=tolerance)
-
-
-def solved(albedo, sigma_t, g, nodes=64, modes=64):
-    """Reflection and transmission of scattered light by the solver, values (N, N, H) [1/sr]."""
-    own, grid = adding.grid(), CosineGrid.gauss(nodes, modes)
+    grid = CosineGrid.gauss(nodes=64, modes=64)
     reflected, passed = doubling.slab(grid, albedo, sigma_t, g)
     passed = passed - np.diag(doubling.direct(grid, sigma_t))
     basis = grid.interpolation(own.cosines) / grid.root  # weights of both sides are taken out
     m = np.arange(len(reflected))
     series = np.where(m == 0, 1, 2)[:, None] * np.cos(m[:, None] * own.azimuths)
     # Directions of propagation there; here both point away from what reflects.
-    for operator, signs in ((reflected, (-1.0) ** m), (passed, np.ones(len(m)))):
-        values = basis @ operator @ basis.T
-        yield np.einsum("mij,mh->ijh", values, signs[:, None] * series)
+    solved = (reflected * (-1.0) ** m[:, None, None], passed)
+    for modes, operator in zip(adding.medium(albedo, sigma_t, g), solved, strict=True):
+        found = own.values_of_modes(modes)
+        expected = np.einsum("mij,mh->ijh", basis @ operator @ basis.T, series)
+        assert (np.abs(found - expected) * share).sum() < tolerance * (expected * share).sum()
+        light, expected_light = (x[0] @ own.weights for x in (modes, own.modes(expected)))
+        np.testing.assert_allclose(light, expected_light, rtol=0, atol=tolerance)

@@ -110,15 +110,15 @@ def test_bad_latents_are_refused(latents, model):
     "bad", [UP * 2, np.array([[np.nan, 0, 1]]), UP[0], UP[:, :2], "up", np.zeros((1, 3))]
 )
 def test_bad_directions_are_refused(bad, material):
-    for call in (
-        lambda: material.f(bad, UP),
-        lambda: material.f(UP, bad),
-        lambda: material.pdf(bad, UP),
-        lambda: material.sample(bad, np.zeros((1, 3))),
-        lambda: material.directional_albedo(bad),
+    for call, *given in (
+        (material.f, bad, UP),
+        (material.f, UP, bad),
+        (material.pdf, bad, UP),
+        (material.sample, bad, np.zeros((1, 3))),
+        (material.directional_albedo, bad),
     ):
         with pytest.raises(ParameterError):
-            call()
+            call(*given)
 
 
 @pytest.mark.parametrize(

@@ -30,16 +30,11 @@ FIRST: dict[str, Layers] = {
 }
 
 
-def arrays(layers: Layers) -> tuple[np.ndarray, np.ndarray]:
-    """Interfaces (n + 1, 2) and media (n, 3, C)."""
+def tables(layers: Layers) -> SlabTables:
     coats, far = layers
     channels = max(np.size(x) for coat in coats for x in coat)
     media = [[np.broadcast_to(x, channels) for x in coat[2:]] for coat in coats]
-    return np.array([coat[:2] for coat in coats] + [far]), np.array(media, float)
-
-
-def tables(layers: Layers) -> SlabTables:
-    return slab_tables(*arrays(layers))
+    return slab_tables(np.array([coat[:2] for coat in coats] + [far]), np.array(media, float))
 
 
 def described(layers: Layers) -> urushi.Stack:
