@@ -1,16 +1,11 @@
 """Neural BRDFs of 675 weights: form, symmetry, and agreement with the published fits' generator."""
 
 import numpy as np
-import pytest
 from benchmarks.rivals import nbrdf
 
 
-@pytest.fixture
-def network():
-    return nbrdf.unpacked(np.random.default_rng(1).normal(0, 0.4, nbrdf.SIZE))
-
-
-def test_reciprocal_positive_and_turned_with_the_surface(network, random_directions):
+def test_reciprocal_positive_and_turned_with_the_surface(random_directions):
+    network = nbrdf.unpacked(np.random.default_rng(1).normal(0, 0.4, nbrdf.SIZE))
     wi, wo = (random_directions(300, seed) for seed in (1, 2))
     f = network.f(wi, wo)
     assert f.shape == (300, 3)

@@ -105,19 +105,13 @@ def test_the_table_of_coats_is_that_of_the_results_and_the_formulas_fit_it():
     np.testing.assert_allclose(numbers, expected)
     eta, coat, base = numbers[:, :3].T
     own = coat_roughness.formulas()
+    rules = {"outside": own.base_roughness, "inside": own.base_roughness_inside}
     # The fits' stated errors: 0.02 and 0.03 rms.
-    for column, rule, limit in (
-        (3, own.base_roughness, 0.021),
-        (7, own.base_roughness_inside, 0.03),
-    ):
-        off = rule(eta, coat, base) - numbers[:, column]
+    for name, column, limit in (("outside", 3, 0.021), ("inside", 7, 0.03)):
+        off = rules[name](eta, coat, base) - numbers[:, column]
         assert np.sqrt((off**2).mean()) < limit
     for name, constants in coat_roughness.fit(stored["cases"]).items():
-        rule = {
-            "outside": own.base_roughness,
-            "inside": own.base_roughness_inside,
-            "internal": own.internal_reflection,
-        }[name]
+        rule = (rules | {"internal": own.internal_reflection})[name]
         assert rule.__defaults__[-len(constants) :] == pytest.approx(constants, abs=0.006)
 
 

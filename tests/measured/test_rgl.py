@@ -12,10 +12,8 @@ from urushi.measured import Rgl, load_measured
 from urushi.measured.rgl import MIN_COSINE, srgb_weights
 from urushi.measured.tabulated import evaluate, interpolated
 
-NAMES = ["aurora_white", "chm_mint", "irid_flake_paint1", "vch_silk_blue"]
 
-
-@pytest.fixture(params=NAMES)
+@pytest.fixture(params=["aurora_white", "chm_mint", "irid_flake_paint1", "vch_silk_blue"])
 def material(request, test_data):
     return writers.rgl_path(test_data, request.param)
 

@@ -9,7 +9,6 @@ from urushi.checks import CoatParameters
 from urushi.nets import basis as bases
 from urushi.nets import layerer
 from urushi.nets import lobe as lobes
-from urushi.nets.basis import Basis
 from urushi.nets.transmittance import both_ways
 from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.train import layering, training
@@ -19,11 +18,6 @@ from urushi.train.distribution import draw_coats_of_two
 @pytest.fixture(scope="module")
 def model(tiny, store) -> Model:
     return training.fitted_basis(tiny, store)[0]
-
-
-@pytest.fixture(scope="module")
-def basis(model) -> Basis:
-    return model.networks.basis
 
 
 @pytest.fixture(scope="module")
@@ -42,21 +36,22 @@ def brushed() -> layering.Layerings:
     return layering.examples(model.networks.basis, bottom.astype(np.float32), coats, logs)
 
 
-def test_examples_are_the_codes_of_the_data(basis, store, found):
+def test_examples_are_the_codes_of_the_data(model, store, found):
     """Of bottoms, each under several coats, and of what is coated."""
     held = store.read(("lobe", "table", "over", "coated"))
     each = held["over"].shape[1]
     assert len(found.code) == each * len(held["lobe"])
     np.testing.assert_array_equal(found.bottom[::each, :6], held["lobe"])
     np.testing.assert_array_equal(found.coat, held["over"].reshape(-1, 5))
-    logs = bases.decode_log(found.code[:, None], basis.probe_rows(0.0))
+    logs = bases.decode_log(found.code[:, None], model.networks.basis.probe_rows(0.0))
     coated = held["coated"].reshape(len(logs), -1)
     assert np.abs(np.exp(logs - coated) - 1).mean() < 0.02
 
 
-def test_the_error_of_a_code_is_that_of_its_light(basis, found):
+def test_the_error_of_a_code_is_that_of_its_light(model, found):
     """q is the mean square of relative errors by light: a gain of 1 % is an error of 1 %."""
     size = 0.01 * np.linalg.norm(found.root[..., 0], axis=-1)
+    basis = model.networks.basis
     f = np.exp(bases.decode_log(found.code[:, None], basis.probe_rows(0.0)))
     top = lobes.of_coat(found.coat[:, 0], found.coat[:, 1])
     passed = both_ways(top[:, None], *basis.pairs())

@@ -27,11 +27,10 @@ def test_the_fit_lowers_the_variance(widths, monkeypatch):
     first["proposal.weight"][0, :half] = first["proposal.overlap"][:] = 1
     first["proposal.bias"][:half] = -2  # the lobes of the rest reflect little
 
+    wi = in_plane([10.0, 60.0])
+
     def log_variance(parameters) -> float:
-        own, wi = (
-            networks._replace(params={**networks.params, **parameters}),
-            in_plane([10.0, 60.0]),
-        )
+        own = networks._replace(params={**networks.params, **parameters})
         found = [mixtures.variation(own, z, partial(networks.f, z), wi) for z in codes]
         return 2 * np.log(found).mean()
 

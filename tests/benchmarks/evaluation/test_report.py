@@ -13,15 +13,10 @@ ROWS = (
 )
 
 
-@pytest.fixture(scope="module")
-def result(tiny, sets, groups):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(physical_laws, "WHITE_STACKS", 1)
-        patch.setattr(physical_laws, "absorption", lambda model: [])
-        return report.measure(tiny, sets, groups=groups, rows=ROWS)
-
-
-def test_rows_are_the_figures_of_the_networks(result, tiny, sets):
+def test_rows_are_the_figures_of_the_networks(tiny, sets, groups, monkeypatch):
+    monkeypatch.setattr(physical_laws, "WHITE_STACKS", 1)
+    monkeypatch.setattr(physical_laws, "absorption", lambda model: [])
+    result = report.measure(tiny, sets, groups=groups, rows=ROWS)
     e, p = [], []
     for samples in sets.values():
         f_hat = predict.evaluate(predict.materials(tiny, samples), samples.wi, samples.wo)

@@ -10,16 +10,12 @@ from urushi.core.quadrature import directional_albedos
 LAMBERT = {"base_color": (0.6, 0.4, 0.2), "specular_weight": 0.0}
 
 
-@pytest.fixture(scope="module")
-def pairs():
-    return direction_sets.cosine_pairs(np.random.default_rng(5), 200, lowest_cosine=0.05)
-
-
-def test_a_coat_of_the_index_of_air_absorbs_only(pairs):
+def test_a_coat_of_the_index_of_air_absorbs_only():
     """Nothing is reflected or refracted: Beer's law on the straight paths of both directions.
 
     The fit of the darkening's mean Fresnel term has 0.2 % at an index of one.
     """
+    pairs = direction_sets.cosine_pairs(np.random.default_rng(5), 200, lowest_cosine=0.05)
     coat = {"coat_weight": 1.0, "coat_ior": 1.0, "coat_color": (0.9, 0.5, 0.25)}
     path = 0.5 / pairs[0][:, 2:] + 0.5 / pairs[1][:, 2:]
     exact = recipe.f(LAMBERT, *pairs, "two_sided") * np.array(coat["coat_color"]) ** path

@@ -54,26 +54,22 @@ def test_values_are_the_models(rgb, random_directions, model, kind, medium, widt
         np.testing.assert_allclose(f(rgb.load_dict(bsdf), wi, wo), expected, tolerance, 1e-5)
 
 
-def coats() -> list[dict]:
-    """Smooth and rough coats, over metal, a Lambertian surface, black, and another coat."""
+def test_samples_follow_the_normalised_density(rgb):
+    """Of smooth and rough coats, over metal, a Lambertian surface, black, and another coat."""
     scattering = {"sigma_t": rgb_value(*COLOURS), "albedo": 0.9, "g": 0.2}
     narrow = GOLD | {"alpha": 0.02}
     black = {"type": "diffuse", "reflectance": 0.0}
     first = COAT | {"alpha": 0.01, "base": narrow}
-    return [
-        first,
-        COAT | {"alpha": 0.3, "base": {"type": "diffuse"}},
-        COAT | scattering | {"alpha": rgb_value(0.05, 0.1, 0.4), "base": GOLD},
-        COAT | {"alpha": 0.6, "int_ior": 0.7, "base": black},
-        COAT | scattering | {"alpha": 0.2, "int_ior": 1.9, "base": first},
-        COAT | {"alpha": 0.05, "sigma_t": 20.0, "base": narrow},
-    ]
-
-
-def test_samples_follow_the_normalised_density(rgb):
-    angles = 0, 45, 70, 89, 20, 60
-    for seed, (degrees, coat) in enumerate(zip(angles, coats(), strict=True)):
+    coats = {
+        0: first,
+        45: COAT | {"alpha": 0.3, "base": {"type": "diffuse"}},
+        70: COAT | scattering | {"alpha": rgb_value(0.05, 0.1, 0.4), "base": GOLD},
+        89: COAT | {"alpha": 0.6, "int_ior": 0.7, "base": black},
+        20: COAT | scattering | {"alpha": 0.2, "int_ior": 1.9, "base": first},
+        60: COAT | {"alpha": 0.05, "sigma_t": 20.0, "base": narrow},
+    }
+    for seed, (degrees, coat) in enumerate(coats.items()):
         test = sampling.chi_squared(rgb.load_dict(coat), degrees, seed)
-        assert test.run(0.01, test_count=len(angles), quiet=True), (degrees, test.messages)
+        assert test.run(0.01, test_count=len(coats), quiet=True), (degrees, test.messages)
         assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)  # the quadrature of narrow lobes
         assert test.histogram_sum[0] == 1  # no sample fails
