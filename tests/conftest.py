@@ -264,12 +264,8 @@ def pairs() -> tuple[np.ndarray, np.ndarray]:
     wo[:500] = _unit(mirrored * [1, 1, 0] + [0, 0, 1] * np.abs(mirrored))
     wi[500:700, 2] *= 1e-4
     wi[500:700] = _unit(wi[500:700])
-    corners = (
-        np.array([[0, 0, 1], [1, 0, 0], [1, 0, 0]]),
-        np.array([[0, 0, 1], [-1, 0, 0], [1, 0, 0]]),
-    )
-    both = np.concatenate([wi, corners[0]]), np.concatenate([wo, corners[1]])
-    return both[0].astype(np.float32), both[1].astype(np.float32)
+    corners = [[[0, 0, 1], [1, 0, 0], [1, 0, 0]], [[0, 0, 1], [-1, 0, 0], [1, 0, 0]]]
+    return tuple(np.concatenate([[wi, wo], corners], axis=1).astype(np.float32))
 
 
 @pytest.fixture(scope="session")
@@ -277,8 +273,7 @@ def directions() -> np.ndarray:
     """1,000 float32 unit vectors over the whole sphere; a tenth of them are grazing."""
     vectors = np.random.default_rng(43).normal(size=(1000, 3))
     vectors[::10, 2] *= 1e-3
-    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
-    return vectors.astype(np.float32)
+    return _unit(vectors).astype(np.float32)
 
 
 @pytest.fixture(scope="session")

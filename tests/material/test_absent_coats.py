@@ -45,15 +45,6 @@ def test_no_interface_and_no_medium_is_the_bottom(trained, pairs, bottom):
     )
 
 
-def test_an_absorbing_medium_is_beers_law(trained, pairs):
-    depth, inverse = np.array([0.1, 0.3, 0.5]), 1 / pairs[0][:, 2] + 1 / pairs[1][:, 2]
-    expected = 0.5 / np.pi * np.exp(-inverse[:, None] * depth)
-    tinted = layer(NONE, diffuse(0.5), sigma_t=depth)
-    assert error(tinted, expected, *pairs).max() < 0.01
-    codes = Material(tinted.latents, trained)  # of textures; as accurate as for other indices
-    assert error(codes, expected, *pairs).max() < 0.1
-
-
 @pytest.mark.parametrize(("g", "most"), [(-0.8, 0.015), (-0.9, 0.05)])
 def test_backward_peaks_of_light_scattered_once(g, most):
     """A dark medium over a black bottom scatters once. The grid of adding is wider than its peak:

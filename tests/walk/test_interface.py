@@ -77,12 +77,3 @@ def test_a_sample_carries_f_cos_over_its_density(jit, alpha, eta, theta):
     assert kept.mean() > 0.5 and weight.numpy().max() <= 1
     for found, expected in ((density, pdf), (f * dr.abs(wo.z), weight * pdf)):
         np.testing.assert_allclose(found.numpy()[kept], expected.numpy()[kept], rtol=1e-9)
-
-
-@every_case
-def test_split_sampling_adds_up_to_both(jit, alpha, eta, theta):
-    """Fresnel as a weight, summed over the two choices, is Fresnel as a probability."""
-    case, (u0, *u) = memory(jit, alpha, eta, theta), uniform(jit, 3)
-    split = interface.sample_reflection(*case, *u)[1] + interface.sample_transmission(*case, *u)[1]
-    difference = (interface.sample(*case, u0, *u)[1] - split).numpy()
-    assert abs(difference.mean()) < 4 * difference.std() / np.sqrt(COUNT) + 1e-5
