@@ -58,10 +58,8 @@ def test_version_is_read_from_the_library_if_its_name_lacks_it(tmp_path):
 
 
 def test_no_library_at_all(machine):
-    status = platform.llvm_status()
-    assert (status.path, status.version) == (None, None)
-    assert "libllvm19" in status.problem
-    with pytest.raises(PlatformError, match="was not found; install it"):
+    assert platform.llvm_status()[:2] == (None, None)
+    with pytest.raises(PlatformError, match="was not found; install it .*libllvm19"):
         platform.require_llvm()
 
 
