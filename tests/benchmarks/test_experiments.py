@@ -70,10 +70,8 @@ def test_finished_cases_are_read_and_whole_runs_are_stored(counting, tmp_path):
         experiment.run("new", Options())
     assert not (tmp_path / "new.json").exists()
     found = experiment.run("new", Options())
-    assert counting == ["a", "b", "b"] and found == {
-        "first": {"value": "a"},
-        "second": {"value": "b"},
-    }
+    assert counting == ["a", "b", "b"]
+    assert found == {"first": {"value": "a"}, "second": {"value": "b"}}
     stored = json.loads((tmp_path / "new.json").read_text())
     assert stored["cases"] == found and stored["weights"] == {} and (tmp_path / "new.png").exists()
     experiment.run("new", Options(share=0.5), ["first"])  # other options have other files
@@ -88,13 +86,9 @@ def test_finished_cases_are_read_and_whole_runs_are_stored(counting, tmp_path):
         ({"first": 1}, ["--cases", "third"], "none of third; choose from first"),
     ],
 )
-def test_without_cases_a_run_says_why_and_shows_no_table(
-    monkeypatch, capsys, known, chosen, reason
-):
-    def measured(*_):
-        raise AssertionError
-
-    one = Experiment(cases=lambda options: known, measure=measured, tables=measured)
+def test_without_cases_a_run_says_why_alone(monkeypatch, capsys, known, chosen, reason):
+    """It neither measures nor shows a table."""
+    one = Experiment(cases=lambda options: known, measure=None, tables=None)
     monkeypatch.setattr(experiment, "load", lambda name: one)
     monkeypatch.setattr("sys.argv", ["", "proposal", "--share", "0.5", *chosen])
     main()
@@ -103,9 +97,8 @@ def test_without_cases_a_run_says_why_and_shows_no_table(
 
 
 def test_a_table_is_replaced_whole_and_the_text_beside_it_stays():
-    old, new = (
-        showing.table(["a", "b"], rows) for rows in ([["1", "2"]], [["3", "4"], ["5", "6"]])
-    )
+    old = showing.table(["a", "b"], [["1", "2"]])
+    new = showing.table(["a", "b"], [["3", "4"], ["5", "6"]])
     assert new == "| a | b |\n|---|---|\n| 3 | 4 |\n| 5 | 6 |"
     other = showing.table(["a", "c"], [["7", "8"]])
     text = f"One.\n\n{{}}\n\nTwo.\n\n{other}\n"

@@ -1,6 +1,5 @@
 """The benchmarks' scenes differ in what their method and light say, and in nothing else."""
 
-import mitsuba as mi
 import pytest
 from benchmarks.scenes import OWN, POINT, PRINCIPLED, SCENES, SKY, WALK, describe, digest
 
@@ -9,9 +8,7 @@ from urushi.nets.weights import DEFAULT
 SMALL = {"width": 16, "detail": 0.02}
 
 
-@pytest.fixture(autouse=True)
-def variant():
-    mi.set_variant("llvm_ad_rgb")
+pytestmark = pytest.mark.usefixtures("rgb")
 
 
 def types(node):

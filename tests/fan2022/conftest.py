@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from fan2022 import PaperNetworks
+from fan2022.architecture import PaperArchitecture, init
 
 
 @pytest.fixture(scope="session")
 def params():
     """Random networks whose normalisations are not the identity."""
-    from fan2022.architecture import init
-
     rng = np.random.default_rng(1)
     noise = {name: rng.normal(size=value.shape) for name, value in init(0).items()}
     return {name: value + np.float32(0.1 * noise[name]) for name, value in init(0).items()}
@@ -17,8 +17,6 @@ def params():
 @pytest.fixture(scope="session")
 def positive():
     """Random networks whose values are mostly positive, and whose proposals differ."""
-    from fan2022.architecture import init
-
     params = init(5)
     bias = params["evaluation.3.bias"] + np.float32(0.3)
     return params | {"evaluation.3.bias": bias, "proxy.4.weight": 20 * params["proxy.4.weight"]}
@@ -27,9 +25,6 @@ def positive():
 @pytest.fixture(scope="session")
 def paper(positive):
     """Their weights, with projections of few steps, so that tests are quick."""
-    from fan2022 import PaperNetworks
-    from fan2022.architecture import PaperArchitecture
-
     return PaperNetworks(PaperArchitecture(steps=2, pairs=64), positive, {})
 
 

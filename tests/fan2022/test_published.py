@@ -238,29 +238,21 @@ def test_files_of_other_kinds_are_refused(files, tmp_path):
         state_dict(tmp_path / "missing.pth")
 
 
-def codes(text):
-    """Numbers that the authors print."""
-    return np.array(text.split(), np.float32)
-
-
-#: Codes of the authors' `layering.py`: of the upper layer, the same for R, G and B, ...
-TOP = codes("""
+#: Codes in R of the upper and the lower layer in the authors' `layering.py`, and of the output in
+#: their README.
+CODES = """
     1.0612 1.0654 1.0614 1.0730 0.9225 1.0260 0.9427 1.0506 0.9631 1.0320 1.0695 1.0979
     1.0565 0.9360 0.9368 0.9340 0.9689 0.9265 0.9611 0.9153 0.9335 1.0632 0.9161 1.0621
     1.0503 0.9159 1.0876 1.0519 0.9537 0.8968 1.0690 1.0926
-""")
-#: ... of the lower layer in R, ...
-BOTTOM = codes("""
+
     1.0357 1.0408 1.0111 1.0082 0.9337 1.0371 0.9698 1.0472 1.0252 0.9581 0.9941 0.9998
     1.0237 0.9839 0.9645 0.9899 1.0191 0.9807 0.9569 1.0062 0.9887 1.0228 0.9749 0.9871
     0.9560 1.0002 0.9644 0.9690 0.9858 0.8786 1.0145 1.0371
-""")
-#: ... and its output in their README.
-LAYERED = codes("""
+
     1.0504 1.0140 0.9858 0.9929 0.9551 1.0667 1.0301 0.9681 0.9994 0.9346 0.9755 1.0965
     0.9729 0.9676 1.0273 0.9618 1.0504 0.9365 1.0141 0.9615 1.0063 0.9993 0.9564 1.0172
     0.9706 0.9159 1.0595 1.0985 1.0210 0.9151 0.9846 1.1005
-""")
+"""
 
 
 def test_the_authors_networks_layer_as_their_readme_prints(test_data):
@@ -269,6 +261,6 @@ def test_the_authors_networks_layer_as_their_readme_prints(test_data):
     paths = [folder / f"{name}Network.pth" for name in ("Repre", "Layering")]
     if not all(path.is_file() for path in paths):
         pytest.skip(f"no networks of Fan et al. 2022 in '{folder}'")
-    read = published.networks(*paths)
-    found = layer(read, TOP[None], BOTTOM[None], *np.float32([[1], [0]]))
-    np.testing.assert_allclose(found[0], LAYERED, atol=1e-4)
+    top, bottom, expected = np.array(CODES.split(), np.float32).reshape(3, 1, 32)
+    found = layer(published.networks(*paths), top, bottom, *np.float32([[1], [0]]))
+    np.testing.assert_allclose(found, expected, atol=1e-4)

@@ -8,10 +8,6 @@ from research.rivals import belcour, weier
 from urushi.core.direction_sets import cosine_pairs
 from urushi.walk import coat, conductor, dielectric, diffuse, simulate
 
-#: A stack of three interfaces of two widths, with media.
-METAL = conductor(alpha_u=0.1, alpha_v=0.4, r0=0.8)
-
-
 BOTTOMS = {
     "schlick": conductor(0.2, r0=0.9),
     "complex": conductor(0.4, eta=0.2, k=3.9),
@@ -31,7 +27,7 @@ def test_equal_widths_are_the_isotropic_model(name: str, eta: float) -> None:
 
 def test_exchanged_widths_are_a_quarter_turn() -> None:
     wi, wo = cosine_pairs(np.random.default_rng(4), 500)
-    stack = coat(METAL, alpha_u=0.4, alpha_v=0.05, eta=1.4)
+    stack = coat(conductor(alpha_u=0.1, alpha_v=0.4, r0=0.8), alpha_u=0.4, alpha_v=0.05, eta=1.4)
     turned = coat(conductor(alpha_u=0.4, alpha_v=0.1, r0=0.8), alpha_u=0.05, alpha_v=0.4, eta=1.4)
     np.testing.assert_allclose(
         weier.f(turned, wi[:, [1, 0, 2]], wo[:, [1, 0, 2]]), weier.f(stack, wi, wo), rtol=1e-4
@@ -42,17 +38,13 @@ def test_lacquered_hairlines_are_near_the_walk() -> None:
     # A smooth, clear coat: E is 22 %, and 16 % for a metal of the width 0.3 alone, which is the
     # isotropic model. The geometric mean of the widths in place of both gives 64 %.
     wi, wo = cosine_pairs(np.random.default_rng(6), 200)
-
-    def lacquered(metal):
-        return coat(metal, 0.05, 1.5)
-
-    hairlines = lacquered(conductor(alpha_u=0.06, alpha_v=0.3, r0=0.9))
+    hairlines = coat(conductor(alpha_u=0.06, alpha_v=0.3, r0=0.9), 0.05, 1.5)
     walked = simulate(hairlines, wi, wo, walks=4096, seed=1)[0][:, 0]
 
     def error(f) -> float:
         return float(brdf_errors.stack_error(f[:, 0], walked, wi[:, 2], wo[:, 2]))
 
-    isotropic = lacquered(conductor(float(np.sqrt(0.06 * 0.3)), r0=0.9))
+    isotropic = coat(conductor(float(np.sqrt(0.06 * 0.3)), r0=0.9), 0.05, 1.5)
     found = error(weier.f(hairlines, wi, wo))
     assert found < 0.25
     assert error(belcour.f(isotropic, wi, wo)) > 2 * found
