@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -122,31 +122,15 @@ def test_data() -> Path:
 
 
 @pytest.fixture(scope="session")
-def openpbr_examples(test_data: Path) -> Path:
-    """The folder of OpenPBR's examples; without it, the test is skipped."""
-    folder = test_data / "data" / "openpbr"
-    if not folder.is_dir():
-        pytest.skip(f"no examples of OpenPBR in '{folder}'")
-    return folder
+def stored(test_data: Path) -> Callable[[str], Path]:
+    """A function: the path of a file or folder of test data; without it, the test is skipped."""
 
+    def path(name: str) -> Path:
+        if not (test_data / name).exists():
+            pytest.skip(f"'{test_data / name}' is missing")
+        return test_data / name
 
-@pytest.fixture(scope="session")
-def oracle(test_data: Path) -> Mapping[str, np.ndarray]:
-    """Reference values of an independent simulator, by name (see its README)."""
-    return _archive(test_data / "oracle" / "reference_values.npz")
-
-
-@pytest.fixture(scope="session")
-def later_oracle(test_data: Path) -> Mapping[str, np.ndarray]:
-    """Reference values of a third simulator: anisotropic surfaces, and indices below one."""
-    return _archive(test_data / "oracle" / "anisotropic.npz")
-
-
-def _archive(path: Path) -> Mapping[str, np.ndarray]:
-    if not path.is_file():
-        pytest.skip(f"'{path}' is missing")
-    with np.load(path) as archive:
-        return dict(archive)
+    return path
 
 
 Sphere = Callable[[np.ndarray], np.ndarray]
@@ -283,11 +267,9 @@ def random_directions():
 
 
 @pytest.fixture(scope="session")
-def tool(test_data):
+def tool(stored):
     """The module that writes stand-ins for files of the MERL database."""
-    path = test_data / "tools" / "merl_from_nbrdf.py"
-    if not path.is_file():
-        pytest.skip(f"'{path}' is missing")
+    path = stored("tools/merl_from_nbrdf.py")
     spec = importlib.util.spec_from_file_location(path.stem, path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -28,11 +28,11 @@ def materials(table):
 
 
 @pytest.mark.slow
-def test_the_table_is_true(module, openpbr_examples):
+def test_the_table_is_true(module, stored):
     """It may be behind: a material that it calls refused may be rendered by now."""
     page = module.PAGE.read_text(encoding="utf-8")
     written = materials(page.split(module.BEGIN)[1].split(module.END)[0])
-    found = materials(module.table(openpbr_examples))
+    found = materials(module.table(stored("data/openpbr")))
     assert len(written) == 83 and written.keys() == found.keys()
     for name, (asks, result) in written.items():
         assert found[name][0] == asks

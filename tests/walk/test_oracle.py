@@ -1,6 +1,7 @@
 """The random walk against an independent simulator's values."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -46,7 +47,9 @@ def compare(walked, reference, deviation: float) -> float:
 
 
 @pytest.mark.parametrize("family", ["two", "three", "lambert"])
-def test_every_configuration_agrees(family: str, oracle: Mapping[str, np.ndarray]) -> None:
+def test_every_configuration_agrees(family: str, stored: Callable[[str], Path]) -> None:
+    """With an independent simulator (see the README of its values)."""
+    oracle = np.load(stored("oracle/reference_values.npz"))
     # Every fourth pair of the longest lists, to cover all kinds of pairs in less time.
     step = 4 if family == "two" else 1
     wi, wo, f, se = (oracle[f"{family}_{name}"][:, ::step] for name in ("wi", "wo", "f", "se"))
@@ -72,12 +75,12 @@ def later_stack(rows: np.ndarray) -> Stack:
 
 @pytest.mark.parametrize("group", ["top", "bottom", "three", "low"])
 def test_anisotropic_surfaces_and_indices_below_one_agree(
-    later_oracle: Mapping[str, np.ndarray], group: str
+    group: str, stored: Callable[[str], Path]
 ) -> None:
-    """The groups are named after the anisotropic surfaces; `low` has index ratios below one."""
-    stacks, wi, wo, f, se = (
-        later_oracle[f"{group}_{name}"] for name in ("stack", "wi", "wo", "f", "se")
-    )
+    """With a third simulator. The groups are named after the anisotropic surfaces; `low` has index
+    ratios below one."""
+    oracle = np.load(stored("oracle/anisotropic.npz"))
+    stacks, wi, wo, f, se = (oracle[f"{group}_{name}"] for name in ("stack", "wi", "wo", "f", "se"))
     row = np.zeros(f.shape[1], np.uint32)
     walked = [
         walk_pairs(from_stack(later_stack(rows)), row, *sides, walks=LATER_WALKS, seed=1)
