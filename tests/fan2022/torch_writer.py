@@ -42,11 +42,8 @@ def tensor(array: np.ndarray, key: str, *, parameter=False, shape=None, strides=
     place = integer(offset) + integers(shape) + integers(strides)
     rebuilt = named("torch._utils", "_rebuild_tensor_v2")
     rebuilt += b"(" + storage + place + b"\x89" + EMPTY + b"tR"
-    if parameter:
-        return (
-            named("torch._utils", "_rebuild_parameter") + b"(" + rebuilt + b"\x88" + EMPTY + b"tR"
-        )
-    return rebuilt
+    whole = named("torch._utils", "_rebuild_parameter") + b"(" + rebuilt + b"\x88" + EMPTY + b"tR"
+    return whole if parameter else rebuilt
 
 
 def dictionary(entries: Mapping[str, bytes]) -> bytes:

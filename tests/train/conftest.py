@@ -14,14 +14,6 @@ from urushi.train.optimiser import Schedule
 from urushi.train.presets import Preset
 from urushi.train.tables import TableSpec, TableStore
 
-TINY = Preset(
-    name="tiny",
-    data=TableSpec(stacks=60, coats=2, probes=64, seed=5, shard=20),
-    schedule=Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=4),
-    batch=16,
-    arch=Architecture(functions=4, probes=64, layerer=(8, 8)),
-)
-
 
 def log_f(wi: np.ndarray, wo: np.ndarray, c: np.ndarray) -> np.ndarray:
     """ln f (N, P) of a family with three functions, for numbers c (N, 3)."""
@@ -51,14 +43,18 @@ def made_shard(spec: TableSpec, shard: int) -> dict[str, np.ndarray]:
 
 @pytest.fixture(scope="session")
 def tiny() -> Preset:
-    """The preset itself."""
-    return TINY
+    return Preset(
+        name="tiny",
+        data=TableSpec(stacks=60, coats=2, probes=64, seed=5, shard=20),
+        schedule=Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=4),
+        batch=16,
+        arch=Architecture(functions=4, probes=64, layerer=(8, 8)),
+    )
 
 
 @pytest.fixture(scope="session")
-def store(tmp_path_factory) -> TableStore:
-    """Its data."""
-    made, description = tables.opened(TINY.data, tmp_path_factory.mktemp("data")), {"version": 1}
+def store(tiny, tmp_path_factory) -> TableStore:
+    made, description = tables.opened(tiny.data, tmp_path_factory.mktemp("data")), {"version": 1}
     for shard in made.missing():
-        files.write_tensors(made.file(shard), "tables", description, made_shard(TINY.data, shard))
+        files.write_tensors(made.file(shard), "tables", description, made_shard(tiny.data, shard))
     return made

@@ -7,14 +7,12 @@ import optax
 
 from urushi.train.optimiser import Schedule, compile_steps, soap, start
 
-SHAPE = (12, 8)
-
 
 def least(rule, left, right, steps):
     """The loss |L W R|^2 after some steps from a random W: its minimum is zero, at zero."""
     left, right = (jnp.asarray(m, jnp.float32) for m in (left, right))
     rng = np.random.default_rng(1)
-    weight = {"w": jnp.asarray(rng.standard_normal(SHAPE), jnp.float32)}
+    weight = {"w": jnp.asarray(rng.standard_normal((12, 8)), jnp.float32)}
 
     @jax.jit
     def step(weight, state):
