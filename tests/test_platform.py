@@ -95,18 +95,19 @@ def test_the_newest_fit_library_is_chosen_or_the_users(machine, monkeypatch):
         platform.require_llvm()
 
 
-def test_a_missing_libatomic_is_named():
-    """A bare Debian lacks it; Dr.Jit's own error does not say so."""
+def test_a_bare_machine_imports_urushi_and_a_missing_libatomic_is_named():
+    """A bare Debian lacks it, and LLVM; Dr.Jit's own error does not say so."""
     code = (
         "import ctypes\n"
         "def missing(name): raise OSError(name)\n"
         "ctypes.CDLL = missing\n"
         "import urushi, sys; assert 'mitsuba' not in sys.modules\n"
+        "assert not urushi.platform.llvm_status().version\n"
         "for use in (urushi.platform.require_llvm, lambda: urushi.simulate):\n"
         "    try: use()\n"
         "    except urushi.errors.PlatformError as error: print(error)"
     )
-    run = _python(code)
+    run = _python(code, **{platform.LLVM_VARIABLE: "/nowhere"})
     assert run.returncode == 0, run.stderr
     sentence = "libatomic.so.1, which Mitsuba needs, was not found; install it"
     assert run.stdout.count(sentence) == (2 if sys.platform == "linux" else 0)
@@ -142,13 +143,6 @@ def test_an_old_library_is_refused_before_it_aborts_the_process(code):
     last = run.stderr.splitlines()[-1]
     assert last.startswith(("urushi.errors.PlatformError: LLVM 1", "urushi: LLVM 1"))
     assert "is too old" in last
-
-
-def test_import_without_any_library():
-    run = _python(
-        "import urushi; urushi.platform.llvm_status()", **{platform.LLVM_VARIABLE: "/nowhere"}
-    )
-    assert run.returncode == 0, run.stderr
 
 
 def _python(code: str, **environment: str) -> subprocess.CompletedProcess:
