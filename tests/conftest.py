@@ -113,22 +113,17 @@ def _share_of_the_cores(request: pytest.FixtureRequest):
 
 
 @pytest.fixture(scope="session")
-def test_data() -> Path:
-    """The folder of test data outside the repository; without it, the test is skipped."""
-    folder = Path(os.environ.get("URUSHI_TEST_DATA", ROOT.parent / "shared"))
-    if not folder.is_dir():
-        pytest.skip(f"no test data in '{folder}'; set URUSHI_TEST_DATA to their folder")
-    return folder
+def stored() -> Callable[[str], Path]:
+    """A function: the path of a file or folder of test data outside the repository.
 
-
-@pytest.fixture(scope="session")
-def stored(test_data: Path) -> Callable[[str], Path]:
-    """A function: the path of a file or folder of test data; without it, the test is skipped."""
+    Without it, the test is skipped.
+    """
 
     def path(name: str) -> Path:
-        if not (test_data / name).exists():
-            pytest.skip(f"'{test_data / name}' is missing")
-        return test_data / name
+        found = Path(os.environ.get("URUSHI_TEST_DATA", ROOT.parent / "shared"), name)
+        if not found.exists():
+            pytest.skip(f"'{found}' is missing; set URUSHI_TEST_DATA to the folder of test data")
+        return found
 
     return path
 

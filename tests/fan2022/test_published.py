@@ -255,12 +255,9 @@ CODES = """
 """
 
 
-def test_the_authors_networks_layer_as_their_readme_prints(test_data):
+def test_the_authors_networks_layer_as_their_readme_prints(stored):
     """Four decimals are printed. The medium has albedo 1 and sigma_t 0."""
-    folder = test_data / "data" / "fan2022"
-    paths = [folder / f"{name}Network.pth" for name in ("Repre", "Layering")]
-    if not all(path.is_file() for path in paths):
-        pytest.skip(f"no networks of Fan et al. 2022 in '{folder}'")
+    paths = [stored(f"data/fan2022/{name}Network.pth") for name in ("Repre", "Layering")]
     top, bottom, expected = np.array(CODES.split(), np.float32).reshape(3, 1, 32)
     found = layer(published.networks(*paths), top, bottom, *np.float32([[1], [0]]))
     np.testing.assert_allclose(found, expected, atol=1e-4)

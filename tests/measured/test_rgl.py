@@ -14,8 +14,8 @@ from urushi.measured.tabulated import evaluate, interpolated
 
 
 @pytest.fixture(params=["aurora_white", "chm_mint", "irid_flake_paint1", "vch_silk_blue"])
-def material(request, test_data):
-    return writers.rgl_path(test_data, request.param)
+def material(request, stored):
+    return stored(f"data/rgl/{request.param}_rgb.bsdf")
 
 
 def mitsuba_f_cos(path, wi, wo, wavelengths=None):
@@ -91,8 +91,8 @@ def test_the_walk_takes_isotropic_materials():
         Rgl(fields).table()
 
 
-def test_the_walks_table_is_the_mean_over_the_exchange(test_data, random_directions):
-    material = load_measured(writers.rgl_path(test_data, "chm_mint"))
+def test_the_walks_table_is_the_mean_over_the_exchange(stored, random_directions):
+    material = load_measured(stored("data/rgl/chm_mint_rgb.bsdf"))
     wi, wo = random_directions(4000, 9, 0.1), random_directions(4000, 10, 0.1)
     expected = 0.5 * (material.f(wi, wo) + material.f(wo, wi))
     f = interpolated(material.table(), wi.astype(float), wo.astype(float))

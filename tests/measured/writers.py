@@ -3,7 +3,6 @@
 import struct
 
 import numpy as np
-import pytest
 from tests.oracles import surfaces
 
 from urushi.core.directions import directions_at
@@ -65,14 +64,6 @@ def tensor_file(fields, *, forge=None):
         header += struct.pack(f"<{len(shape)}Q", *shape)
         data += array.tobytes()
     return header + data
-
-
-def rgl_path(test_data, name):
-    """A measured RGB material of the database; without it, the test is skipped."""
-    path = test_data / "data" / "rgl" / f"{name}_rgb.bsdf"
-    if not path.is_file():
-        pytest.skip(f"'{path}' is missing")
-    return path
 
 
 def rgl_tensors(phi_i, theta_i, ndf, sigma, vndf, colour, wavelengths):
