@@ -22,7 +22,7 @@ const FIRST_COST = { card: 60, software: 3000 };
  */
 const [SLOW_FRAMES, MORE_SLOW_FRAMES] = [3, 6];
 /** Shaded pixels of all frames of such a picture on the page. */
-const SLOW_PIXELS = 0.55e6;
+const SLOW_PIXELS = 0.5e6;
 
 /** Frames for one of a table, where a texture of codes is decoded: they have fewer directions. */
 const TEXTURE_FRAMES = 3;
