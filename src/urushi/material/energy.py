@@ -135,14 +135,15 @@ def nearest_within(
     rows, most = _rows(model, z, most)
     off = excesses(model, rows, most) > 1
     if np.any(least):
-        least = _rows(model, z, least)[1] - lobe_albedos(rows[:, : model.arch.lobe])
-        off |= (rest_albedos(model, rows) < least).any(axis=1)
+        least = _rows(model, z, least)[1]
+        off |= (code_albedos(model, rows) < least).any(axis=1)
     if not off.any():
         return z
-    rows, least = np.array(rows), np.broadcast_to(least, most.shape)
-    for row in np.flatnonzero(off):
-        allowed = _allowed(model, rows[row, None], most[row, None])[0]
-        rows[row] = _fitted_within(model, rows[row], np.minimum(least[row], allowed), allowed)
+    rows, lobe = np.array(rows), lobe_albedos(rows[off, : model.arch.lobe])
+    allowed = np.maximum(most[off] - lobe, LEAST_REST)
+    wanted = np.minimum(np.broadcast_to(least, most.shape)[off] - lobe, allowed)
+    for row, *bounds in zip(np.flatnonzero(off), wanted, allowed, strict=True):
+        rows[row] = _fitted_within(model, rows[row], *bounds)
     return limit_albedo(model, rows, most.max(axis=1, keepdims=True)).reshape(z.shape)
 
 
@@ -215,7 +216,7 @@ def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
         smooth = lobes.reflectance(lobe[:, None], albedo_rule(model.arch.widths).directions[:, 2])
         allowed = np.maximum(ceiling - smooth - ROUGH_GAIN, LEAST_REST)
         near = (rest > allowed).any(axis=-1)
-        allowed[near] = _allowed(model, z[near], ceiling[near])
+        allowed[near] = np.maximum(ceiling[near] - lobe_albedos(lobe[near]), LEAST_REST)
         return (rest / allowed).max(axis=-1, keepdims=True)
 
     fill_blocks(result, measure, z, ceiling)
@@ -229,9 +230,3 @@ def _rows(
     count = len(albedo_rule(model.arch.widths).directions)
     ceiling = np.broadcast_to(np.float32(ceiling), (*z.shape[:-1], count))
     return np.ascontiguousarray(z).reshape(-1, z.shape[-1]), ceiling.reshape(-1, count)
-
-
-def _allowed(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
-    """Albedos (N, K) that the rests of codes (N, L) may have."""
-    lobe = z[:, : model.arch.lobe]
-    return np.maximum(ceiling - lobe_albedos(lobe), LEAST_REST)
