@@ -85,7 +85,7 @@ def probed_codes(
 ) -> np.ndarray:
     """Codes (M, C, L) of a bottom at points uv (M, 2).
 
-    bounded: whether they have the bottom's albedo, which takes some times as many evaluations.
+    bounded: whether they have the bottom's albedo, which takes several times as many evaluations.
     """
     nested = nested_latents(bottom, model)
     if nested is not None:
@@ -96,10 +96,9 @@ def probed_codes(
             np.minimum(reach, 1, out=reach)
         rest = np.broadcast_to(model.networks.empty_rest(), (*lobe.shape[:2], model.arch.rest))
         return np.concatenate([lobe, rest], axis=-1)
-    pairs = model.networks.pairs()
-    average = probing.needed_averaging(bottom, *pairs, uv, where, model.widths)
-    if bounded:
-        pairs = required_pairs(None, model, table=False)
+    probes = model.networks.pairs()
+    average = probing.needed_averaging(bottom, *probes, uv, where, model.widths)
+    pairs = required_pairs(None, model, table=False) if bounded else probes
     f = probing.check_values(probing.texel_values(bottom, *pairs, uv, average), where)[:, :, None]
     lobe = None if lobe is None else lobe[:, :, None]  # each row is a material of its own
     codes = codes_of_values(f, model, lobe) if bounded else model.networks.encode(f, lobe)
