@@ -5,7 +5,15 @@ import pytest
 from tests.oracles import doubling
 from tests.oracles.doubling import CosineGrid
 
-from urushi.material import adding
+import urushi
+from urushi.checks import Widths
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import energy_weight
+from urushi.core.namespace import NUMPY, Components
+from urushi.core.table import linear_at
+from urushi.material import adding, adding_quadrant
+from urushi.material.reflector import Reflector
+from urushi.material.substrate import Substrate
 
 #: Thin to thick media, of albedos down to a half, that scatter backwards, evenly and forwards.
 MEDIA = [
@@ -49,3 +57,48 @@ def test_media_are_those_of_the_solver_on_another_grid(albedo, sigma_t, g):
         assert (np.abs(found - expected) * share).sum() < tolerance * (expected * share).sum()
         light, expected_light = (x[0] @ own.weights for x in (modes, own.modes(expected)))
         np.testing.assert_allclose(light, expected_light, rtol=0, atol=tolerance)
+
+
+@pytest.fixture(scope="module")
+def pairs():
+    return cosine_pairs(np.random.default_rng(0), 2000, lowest_cosine=0.02)
+
+
+def in_table(values, pairs):
+    """Values (N,) of `adding_quadrant.table` at pairs."""
+    places = adding_quadrant.coordinates(*(Components(*w.T) for w in pairs), NUMPY)
+    return linear_at(adding_quadrant.table(values)[..., None], *places)[:, 0]
+
+
+def test_the_table_of_two_widths_holds_symmetric_functions(pairs):
+    """Linear interpolation between azimuths of 11 degrees is off by less than 0.005."""
+
+    def f(wi, wo):
+        return 1 + 0.4 * wi[:, 0] * wo[:, 0] - 0.3 * wi[:, 1] * wo[:, 1] + 0.2 * wi[:, 2] * wo[:, 2]
+
+    w = adding_quadrant.directions()
+    first, second = w.repeat(len(w), axis=0), np.tile(w, (len(w), 1))
+    images = [f(first, second * (*sign, 1)) for sign in adding_quadrant.SIGNS]
+    found = in_table(np.float32(images).reshape(4, len(w), len(w)), pairs)
+    np.testing.assert_allclose(found, f(*pairs), rtol=0, atol=0.005)
+
+
+@pytest.mark.parametrize("medium", [(0.0, 0.0, 0.0), (0.9, 1.0, 0.5)])
+def test_round_surfaces_are_the_same_by_both_grids(medium, pairs):
+    """Fourier modes, and parts of a quadrant, of rough metal under a rough interface.
+
+    Their azimuths differ, and the peak of the metal is 3 of them wide; E is below 0.01.
+    """
+    metal = Substrate.of(Reflector.of(urushi.encode(urushi.conductor(0.4, r0=0.8))))
+    back = adding.interface_modes(0.3, 1.5)
+    modes, own = adding.bottom_modes(metal.reflector.f)[0], adding.grid()
+    round_values, _ = adding.seen_inside(modes, back, [medium])
+    expected = own.interpolated(round_values[..., None], *pairs)[:, 0]
+    values = adding_quadrant.seen_inside(
+        adding_quadrant.bottom_parts(metal.reflector.f)[0],
+        adding_quadrant.interface_parts(Widths(0.3, 0.3), 1.5),
+        medium,
+    )
+    weight = energy_weight(*(w[:, 2] for w in pairs))
+    difference = np.abs(in_table(values, pairs) - expected)
+    assert (difference * weight).sum() < 0.01 * (expected * weight).sum()

@@ -38,6 +38,7 @@ from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate, of_material, parts_of
 from urushi.nets import lobe as lobes
 from urushi.nets.transmittance import both_ways
+from urushi.parallel import run_all_cores
 
 #: Pairs of refracted directions over wide lobes, over narrow ones, and half vectors for each side.
 WIDE, NARROW, HALF = 256, 512, 256
@@ -157,12 +158,17 @@ def _jobs(
     layers = media.T.reshape(len(channels), -1, 3)
     layers = np.array([[adding.resolved(*layer) for layer in own] for own in layers])
     if below.widths == 2:
-        found, own = [], zip(channels, interfaces.T, layers[:, 0].tolist(), strict=True)
-        for c, (*alpha, n), medium in own:
-            back = adding_quadrant.interface_parts(Widths(*alpha), n)
-            light = adding_quadrant.seen_inside(parts_of(below, c), back, medium)
-            found.append(adding_quadrant.table(light))
-        more, factors = np.array(found), None
+        bottoms = [parts_of(below, c) for c in channels]
+        more = np.empty((len(channels), *adding_quadrant.TABLE), np.float32)
+
+        def fill(job: int) -> None:
+            *alpha, index = interfaces[:, job]
+            back = adding_quadrant.interface_parts(Widths(*alpha), index)
+            light = adding_quadrant.seen_inside(bottoms[job], back, layers[job, 0].tolist())
+            more[job] = adding_quadrant.table(light)
+
+        run_all_cores(fill, range(len(channels)))
+        factors = None
     else:
         more, factors = _turned_back(below, channels, interfaces, layers)
     narrow = below.narrow(np.max(widths, axis=0), eta, channels) & (eta != 1)

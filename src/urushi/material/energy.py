@@ -219,8 +219,10 @@ def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
         allowed[near] = np.maximum(ceiling[near] - lobe_albedos(lobe[near]), LEAST_REST)
         return (rest / allowed).max(axis=-1, keepdims=True)
 
-    fill_blocks(result, measure, z, ceiling)
-    return result[:, 0]
+    # Codes of the same stretch one after the other: their functions are computed once.
+    order = np.argsort(model.networks.basis.split(z)[1], kind="stable")
+    fill_blocks(result, measure, z[order], ceiling[order])
+    return result[np.argsort(order), 0]
 
 
 def _rows(
