@@ -19,6 +19,7 @@ next to wide lobes, their weights are noisier than the pairs.
 A pair costs 5 us over wide lobes and 20 us over narrow ones.
 """
 
+import operator
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -122,7 +123,9 @@ def _distinct(
     one = below.channels == 1
     names = {k: b"" if one else below.reflector.taken([k]).contents() for k in set(channels)}
     keys = [(names[k], coat.tobytes()) for k, coat in zip(channels, coats.T, strict=True)]
-    places = {key: place for place, key in enumerate(dict.fromkeys(keys))}
+    # Equal coats one after the other: what they share is computed once.
+    ordered = sorted(dict.fromkeys(keys), key=operator.itemgetter(1))
+    places = {key: place for place, key in enumerate(ordered)}
     which = np.array([places[key] for key in keys])
     return np.unique(which, return_index=True)[1], which
 

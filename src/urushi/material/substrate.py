@@ -103,7 +103,7 @@ def _on_grid(below: Substrate, channels: tuple[int, ...], edges: adding.Edges) -
     return OnGrid.of(below.reflector.taken(channels), edges)
 
 
-@functools.lru_cache(maxsize=16)
+@functools.lru_cache(maxsize=64)
 def parts_of(below: Substrate, channel: int) -> np.ndarray:
     """The parts (4, Q, Q) of a channel of two widths, see `adding_quadrant`."""
     return adding_quadrant.bottom_parts(below.reflector.taken([channel]).f)[0]

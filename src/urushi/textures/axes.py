@@ -15,6 +15,12 @@ from urushi.core.namespace import Namespace
 #: Offset of a reflectance in its logarithm.
 DARK = 0.01
 
+#: Optical depth beyond which media look more and more alike.
+DEEP = 8.0
+
+#: Offset of a medium's albedo in its logarithm.
+FAINT_ALBEDO = 0.1
+
 #: Scales of axes: along which coordinate of a parameter codes are closest to linear.
 WIDTH, DEPTH, REFLECTANCE, LINEAR = "width", "depth", "reflectance", "linear"
 ALBEDO, INDEX = "albedo", "index"  # of single scattering; relative, above or below one
@@ -54,9 +60,11 @@ class Axis(NamedTuple):
         if self.scale == REFLECTANCE:
             x = np.exp(x) - DARK
         elif self.scale == ALBEDO:
-            x = 1 - x * x
+            x = 1 - (1 + FAINT_ALBEDO - np.exp(x)) ** 4
         elif self.scale == INDEX:
             x = (1 + x * abs(x)) / (1 - x * abs(x))
+        elif self.scale == DEPTH:
+            x = x * x / (1 - x * x * (1 / DEEP))
         elif self.scale != LINEAR:
             x = x * x
         return np.clip(x, self.least, self.most)
@@ -70,8 +78,10 @@ class Axis(NamedTuple):
 def _scaled(scale: str, value: Any, xp: Any) -> Any:
     if scale == REFLECTANCE:
         return xp.log(value + DARK)
-    if scale == ALBEDO:
-        return -xp.sqrt(1 - value)
+    if scale == ALBEDO:  # dense towards zero, and where deep media have lost little light
+        return xp.log(1 + FAINT_ALBEDO - xp.sqrt(xp.sqrt(1 - value)))
+    if scale == DEPTH:
+        return xp.sqrt(value / (1 + value * (1 / DEEP)))
     if scale == INDEX:  # the root of Fresnel's amplitude at the normal, with its sign
         amplitude = (value - 1) / (value + 1)
         return amplitude / xp.sqrt(xp.sqrt(amplitude * amplitude + 1e-12))

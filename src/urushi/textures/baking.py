@@ -25,7 +25,7 @@ from urushi.textures.store import TexelGrid
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes
 #: much longer.
-POINTS = {1: (24, 64, 192, 320, 448, 448), 2: (24, 64, 112, 144, 176, 192)}
+POINTS = {1: (32, 128, 256, 384, 512, 512), 2: (24, 64, 112, 144, 176, 192)}
 
 #: Most axes.
 AXES = len(POINTS[1])
