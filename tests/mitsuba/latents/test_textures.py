@@ -94,6 +94,27 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb):
 
 
 @pytest.mark.parametrize(
+    "brushed",
+    [
+        {"type": "principled", "metallic": 1.0, "anisotropic": strip(0.8, 0.0, 0.8)},
+        {"type": "roughconductor", "distribution": "beckmann", "alpha_v": 0.3}
+        | {"alpha_u": strip(0.1, 0.3, 0.3)},
+    ],
+    ids=lambda brushed: brushed["type"],
+)
+def test_a_bottom_may_be_brushed_away_from_the_middle_of_uv(rgb, brushed):
+    """There it reflects otherwise along u than along v; in the middle it does not."""
+    coat = rgb.load_dict({"type": "neural_layered", "base": brushed})
+    wi, wo = pairs_above(1 << 12, 0, 0.2)
+    turn = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]], np.float32)
+    errors = []
+    for u in (1 / 6, 0.5):
+        one, other = f(coat, wi, wo, (u, 0.5)), f(coat, wi @ turn, wo @ turn, (u, 0.5))
+        errors.append(np.abs(one - other).mean() / one.mean())
+    assert errors[0] > 0.3 and errors[1] < 0.05
+
+
+@pytest.mark.parametrize(
     "properties",
     [
         {"filter_type": "bilinear", "wrap_mode": "repeat"},

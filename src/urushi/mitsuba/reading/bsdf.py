@@ -5,7 +5,7 @@ import numpy as np
 
 from urushi.errors import ParameterError, PlatformError
 from urushi.material.source import Source, as_source
-from urushi.material.symmetry import asymmetry_pairs, is_anisotropic
+from urushi.material.symmetry import ASYMMETRY_PAIRS, asymmetry_pairs, is_anisotropic
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
@@ -73,7 +73,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
 def has_two_widths(bsdf: "mi.BSDF") -> bool:
     """Whether a BSDF is anisotropic, so that its codes need two widths.
 
-    A texture counts by its value in the middle of uv; a random BSDF counts as isotropic.
+    Textures count by their values at random points of uv; a random BSDF counts as isotropic.
     """
     latents = known_surface(bsdf).latents
     if latents is not None:
@@ -81,7 +81,11 @@ def has_two_widths(bsdf: "mi.BSDF") -> bool:
     lobes = probing.known_lobes(bsdf, spectrum.MIDDLE)
     if lobes is not None and lobes.shape[-1] > len(LOBE_NUMBERS) and not varying_textures(bsdf):
         return not np.array_equal(lobes[..., 0], lobes[..., 6])
-    return is_anisotropic(reflection_source(bsdf))
+    source = reflection_source(bsdf)
+    if varying_textures(bsdf) and not (source.noisy or not_over_uv(bsdf)):
+        uv = np.random.default_rng(0).random((ASYMMETRY_PAIRS, 2))
+        source = source._replace(f=lambda wi, wo: probing.bsdf_values(bsdf, wi, wo, uv))
+    return is_anisotropic(source)
 
 
 def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
