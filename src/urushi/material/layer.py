@@ -252,8 +252,8 @@ def codes_of_rests(
     """
     lobe = lobes.of_coat(coat.alpha, coat.eta).astype(np.float32)
     lobe = np.broadcast_to(lobe, (*rest.shape[:-1], model.arch.lobe))
-    f = rest + lobes.f(lobe[..., None, :], *model.networks.pairs())
-    codes = nearest_within(model, model.networks.encode(f, lobe))
+    g = rest / both_ways(lobe[..., None, :], *model.networks.pairs())
+    codes = nearest_within(model, model.networks.encode_rest(g, lobe))
     return np.where(absent(coat)[..., None], z, codes)
 
 

@@ -140,20 +140,31 @@ class Networks(NamedTuple):
             raise ParameterError(f"f has shape {values.shape}; this basis needs (..., {pairs})")
         codes = np.empty((*values.shape[:-1], self.arch.latent), np.float32)
         own = [] if lobe is None else [np.broadcast_to(lobe, (*codes.shape[:-1], self.arch.lobe))]
-        fill_blocks(codes, self._encode, values, *own)
+
+        def fill(f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
+            lobe = fit_lobes(f, self.arch.widths) if lobe is None else lobe
+            rest = transmittance.remainder(f, lobe[..., None, :], *self.pairs())
+            return self._encode_rest(rest, lobe)
+
+        fill_blocks(codes, fill, values, *own)
         return codes
 
-    def _encode(self, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
-        lobe, pairs = fit_lobes(f, self.arch.widths) if lobe is None else lobe, self.pairs()
-        passed = transmittance.both_ways(lobe[..., None, :], *pairs)
-        rest = np.maximum(f - lobes.f(lobe[..., None, :], *pairs), 0) / passed
-        count, stretch = f.shape[-1], None
+    def encode_rest(self, rest: np.ndarray, lobe: np.ndarray) -> np.ndarray:
+        """Codes float32 (..., L) beside lobes (..., N) of rests (..., P): g at the probe pairs."""
+        codes = np.empty((*rest.shape[:-1], self.arch.latent), np.float32)
+        lobe = np.broadcast_to(lobe, (*codes.shape[:-1], self.arch.lobe))
+        fill_blocks(codes, self._encode_rest, rest, lobe)
+        return codes
+
+    def _encode_rest(self, rest: np.ndarray, lobe: np.ndarray) -> np.ndarray:
+        passed, stretch = transmittance.both_ways(lobe[..., None, :], *self.pairs()), None
+        count = rest.shape[-1]
         if self.arch.widths == 2:
             mean = rest.mean(axis=-2, keepdims=True) if rest.ndim > 1 else rest
             stretch = log_stretch(mean.reshape(-1, count), self.basis.measure)
             stretch = np.broadcast_to(stretch.reshape(mean.shape[:-1]), rest.shape[:-1]).ravel()
         rows = rest.reshape(-1, count), passed.reshape(-1, count)
-        codes = solve_codes(self.basis, *rows, stretch).reshape(*f.shape[:-1], self.arch.rest)
+        codes = solve_codes(self.basis, *rows, stretch).reshape(*rest.shape[:-1], self.arch.rest)
         return np.concatenate([lobe, codes], axis=-1, dtype=np.float32)
 
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
@@ -188,12 +199,17 @@ class Networks(NamedTuple):
 
     def rest_at_all(self, z: np.ndarray, functions: Functions) -> np.ndarray:
         """The rests of f (S, P) [1/sr] of all codes z (S, L) at the functions of the same pairs."""
+        lobe = z[:, None, : self.arch.lobe]
+        passed = transmittance.both_ways(lobe, functions.wi, functions.wo)
+        return self.g_at_all(z, functions) * passed
+
+    def g_at_all(self, z: np.ndarray, functions: Functions) -> np.ndarray:
+        """g (S, P) [1/sr] of all codes z (S, L) at the functions of the same pairs."""
         _, stretch = self.basis.split(z)
         result = np.empty((len(z), len(functions(float(stretch[0])))), np.float32)
         for rows, numbers, own in self.basis.groups(z[:, self.arch.lobe :]):
             result[rows] = basis.decode(numbers[:, None], functions(own))
-        lobe = z[:, None, : self.arch.lobe]
-        return result * transmittance.both_ways(lobe, functions.wi, functions.wo)
+        return result
 
     def table(self, z: np.ndarray) -> np.ndarray | None:
         """`Basis.table` of codes (C, L), of g; None without rests."""

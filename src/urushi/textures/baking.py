@@ -140,9 +140,8 @@ def bake(
         """
         f = np.stack([transported(values(x, way)) for way in ways], axis=-2)
         tops = np.stack([lobes_at(x, way) for way in ways], axis=-2)
-        pairs, lobe = model.networks.pairs(), tops[..., None, :]
-        added = lobes.f(lobe, *pairs) + FAINT * transmittance.both_ways(lobe, *pairs)
-        return np.moveaxis(model.networks.encode(f + added, tops)[..., size:], 0, 1)
+        passed = transmittance.both_ways(tops[..., None, :], *model.networks.pairs())
+        return np.moveaxis(model.networks.encode_rest(f / passed + FAINT, tops)[..., size:], 0, 1)
 
     x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
     norm = model.networks.basis.norm

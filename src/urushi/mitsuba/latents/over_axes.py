@@ -22,8 +22,7 @@ from urushi.mitsuba.latents.lobe import kind_of
 from urushi.mitsuba.latents.proposal import CodeProposals
 from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.tables import Numbers
-from urushi.nets import lobe as lobes
-from urushi.nets import proposal, transmittance
+from urushi.nets import proposal
 from urushi.nets.weights import Model
 from urushi.textures.axes import LINEAR, Axis, Varying, nearest, simplex, whole_numbers
 from urushi.textures.baking import FAINT, Baked
@@ -243,12 +242,10 @@ def _of(parts: Any, channel: int) -> Any:
 
 def without_faint(model: Model, codes: np.ndarray) -> np.ndarray:
     """Codes (..., L) whose g has `FAINT` less."""
-    pairs, lobe = model.networks.pairs(), codes[..., None, : model.arch.lobe]
-    flat = codes.reshape(-1, codes.shape[-1])
-    rests = model.networks.rest_at_all(flat, model.networks.basis.probe_rows)
-    less = FAINT * transmittance.both_ways(lobe, *pairs)
-    rest = np.maximum(rests.reshape(*codes.shape[:-1], -1) - less, 0)
-    return model.networks.encode((rest + lobes.f(lobe, *pairs))[..., None, :], lobe)[..., 0, :]
+    flat, own = codes.reshape(-1, codes.shape[-1]), model.networks
+    rests = np.maximum(own.g_at_all(flat, own.basis.probe_rows) - FAINT, 0)
+    found = own.encode_rest(rests[:, None], flat[:, None, : model.arch.lobe])
+    return found.reshape(codes.shape)
 
 
 def texel_axes(grid: TexelGrid) -> list[Varying]:
