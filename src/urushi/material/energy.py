@@ -140,40 +140,56 @@ def nearest_within(
     if not off.any():
         return z
     rows, lobe = np.array(rows), lobe_albedos(rows[off, : model.arch.lobe])
-    allowed = np.maximum(most[off] - lobe, LEAST_REST)
-    wanted = np.minimum(np.broadcast_to(least, most.shape)[off] - lobe, allowed)
-    for row, *bounds in zip(np.flatnonzero(off), wanted, allowed, strict=True):
-        rows[row] = _fitted_within(model, rows[row], *bounds)
-    return limit_albedo(model, rows, most.max(axis=1, keepdims=True)).reshape(z.shape)
+    ceiling = most.max(axis=1, keepdims=True)
+    bounds = np.broadcast_to(least, most.shape)[off], most[off], ceiling[off]
+    for row, own, *limits in zip(np.flatnonzero(off), lobe, *bounds, strict=True):
+        rows[row] = _fitted_within(model, rows[row], own, *limits)
+    return limit_albedo(model, rows, ceiling).reshape(z.shape)
 
 
-def _fitted_within(model: Model, z: np.ndarray, least: np.ndarray, most: np.ndarray) -> np.ndarray:
-    """The code (L,) near z (L,) whose rest has about an albedo within the bounds (K,).
+def _fitted_within(
+    model: Model,
+    z: np.ndarray,
+    lobe: np.ndarray,
+    least: np.ndarray,
+    most: np.ndarray,
+    ceiling: np.ndarray,
+) -> np.ndarray:
+    """The code (L,) near z (L,) that has about an albedo within the bounds (K,).
 
-    Least squares of the change at the probe pairs, and of the logarithm of the albedo where it is
-    out of bounds, by Gauss and Newton's method.
+    Least squares of the change of the rest at the probe pairs, and of the logarithm of the albedo
+    where it is out of bounds, by Gauss and Newton's method. Above the ceiling it is the logarithm
+    of the rest's share, because the whole rest would be scaled down by it.
+
+    lobe: (K,) albedos of its lobe. ceiling: (1,), of `limit_albedo`.
     """
     rule, own = albedo_rule(model.arch.widths), model.networks.basis
     result = z.copy()
     numbers, stretch = own.split(result[model.arch.lobe :])
     nodes = node_functions(model)(float(stretch))
     functions = nodes[:, 1:].reshape(*rule.weights.shape, -1)
-    lobe = result[: model.arch.lobe]
-    seen, passed = (transmittance.both_ways(lobe, *w) for w in (own.pairs(), (rule.wi, rule.wo)))
+    top = result[: model.arch.lobe]
+    seen, passed = (transmittance.both_ways(top, *w) for w in (own.pairs(), (rule.wi, rule.wo)))
     start = code = numbers.astype(float)
     at_probes = own.probe_rows(float(stretch))
     form = code_fit.form_about(at_probes, own.measure * seen, own.prior, start)
     form += PLAUSIBLE * own.prior
+    highest = np.maximum(most, lobe + LEAST_REST)
+    lowest = np.minimum(least, highest)
+    allowed = np.maximum(ceiling - lobe, LEAST_REST)
     best, smallest = code, np.inf
     for weight in (*ALBEDO_WEIGHTS, 0.0):
         f = passed * basis.decode(code.astype(np.float32), nodes)
         light = rule.weights * f.reshape(rule.weights.shape)
-        albedo = np.maximum(light.sum(axis=1), LEAST_ALBEDO)
-        off = np.log(albedo / np.clip(albedo, least, most))
+        rest = np.maximum(light.sum(axis=1), LEAST_ALBEDO)
+        total, above = rest + lobe, np.log(np.maximum(rest / allowed, 1))
+        off = np.log(total / np.clip(total, lowest, highest))
+        hard = above > np.maximum(off, 0)
+        off, size = np.where(hard, above, off), np.where(hard, rest, total)
         error = (code - start) @ form @ (code - start) + ALBEDO_WEIGHTS[-1] * off @ off
         if error < smallest:
             best, smallest = code, error
-        slopes = np.where(off, 1 / albedo, 0)[:, None] * (light[:, None] @ functions)[:, 0]
+        slopes = np.where(off, 1 / size, 0)[:, None] * (light[:, None] @ functions)[:, 0]
         right = weight * slopes.T @ (slopes @ (code - start) - off)
         code = start + np.linalg.solve(form + weight * slopes.T @ slopes, right)
     numbers[...] = best
