@@ -5,7 +5,7 @@ from unittest.mock import Mock
 import mitsuba as mi
 import numpy as np
 import pytest
-from tests.mitsuba.probes import evaluated, nearly, sampled, spheres, strip
+from tests.mitsuba.probes import bitmap, evaluated, nearly, sampled, spheres, strip
 from tests.openpbr_surface.probes import error, loaded, pairs, toward, values
 from tests.oracles.analog import analog_albedo
 from tests.oracles.slab import interface_reflectance
@@ -104,17 +104,21 @@ FILM |= dict(specular_roughness=0.34, coat_roughness=0.23, thin_film_thickness=0
 FILM |= dict(base_color=(0.98, 0.9, 0.85), coat_color=(1.0, 1.0, 1.0))
 LOW = dict(specular_ior=1.26, specular_roughness=0.65, base_diffuse_roughness=1.0, coat_ior=1.8)
 
+PLASTIC = dict(specular_roughness_anisotropy=0.44, coat_roughness=0.0, base_color=(0.8,) * 3)
+PLASTIC |= dict(coat_color=(1.0, 1.0, 1.0))
 INDICES = dict(specular_roughness=0.3, base_metalness=0.7, coat_ior=1.8)
 MIXTURE = dict(base_metalness=0.6, specular_roughness=0.3, coat_roughness=0.5)
 MIXTURE |= dict(base_color=(0.98, 0.9, 0.85), coat_color=(1.0, 1.0, 1.0))
 
 #: Coated bases, the bounds of E against the walk and of the error of each channel's light: 2 % of
-#: tables, 4 % of two widths, 10 % of codes of textures, and the walk's noise. Neither side of
+#: tables, 4 % of two widths, 10 % of codes of textures and of a base of two widths that reflects
+#: totally, and the walk's noise. Neither side of
 #: TURNED has the light that facets of two widths scatter more than once. A film in the coat by one
 #: mean colour had an E of 13 %.
 COATED = {
     "mixture of indices": (0.03, 0.03, INDICES),
     "two widths": (0.08, 0.08, TURNED | dict(energy_compensation=False)),
+    "brushed plastic": (0.12, 0.11, PLASTIC),
     "low index": (0.03, 0.03, LOW),
     "rough metal": (0.05, 0.03, RUST | dict(coat_roughness=0.7)),
     "film": (0.04, 0.04, FLAKES | dict(coat_roughness=0.1, coat_color=(1.0, 1.0, 1.0))),
@@ -154,6 +158,22 @@ def test_a_grey_base_of_two_widths_under_a_smooth_coat_is_as_bright_as_walks():
         for walks in (False, True)
     )
     np.testing.assert_allclose(found, expected, rtol=0.025)
+
+
+def test_a_base_that_becomes_black_by_its_weight_is_linear_in_it_under_a_coat():
+    """Between texels of weight and coat colour, f is that of their mean, within the 2 % of codes
+    where a table is exact."""
+    texels = np.float32([[0.0, 0.0], [1.0, 1.0]]), np.float32([[1.0, 0.03], [1.0, 0.03]])
+    names = "base_weight", "coat_color"
+    shared, (wi, wo) = dict(coat_weight=1.0), pairs(300)
+    textures = (bitmap(x[..., None], wrap_mode="clamp") for x in texels)
+    textured = loaded(**shared, **dict(zip(names, textures, strict=True)))
+    for u, v in ((0.3, 0.3), (0.3, 0.6), (0.5, 0.35), (0.7, 0.7)):
+        weight, x = np.clip(2 * np.array([v, u]) - 0.5, 0, 1).tolist()
+        color = 1 - 0.97 * x
+        constant = loaded(**shared, base_weight=weight, coat_color=(color,) * 3)
+        found, expected = (evaluated(x, wi, wo, (u, v))[0] for x in (textured, constant))
+        assert error(found, expected, wi, wo) < 0.02, (weight, color)
 
 
 def test_a_smooth_coat_tells_the_coat_above_it_its_lobe():

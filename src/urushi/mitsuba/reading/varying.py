@@ -178,7 +178,8 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
             continue
         last = name.rpartition(".")[2]
         coloured = "reflectance" in last or "color" in last or last in ("eta", "k")
-        scale = WIDTH if last.startswith("alpha") else REFLECTANCE if coloured else LINEAR
+        bright = coloured or last == "base_weight"
+        scale = WIDTH if last.startswith("alpha") else REFLECTANCE if bright else LINEAR
         whole = (0.0, np.inf) if last in ("eta", "k") else RANGES[scale]
         if last in TWO_WIDTHS and elsewhere([texture]):
             whole = _beside(textures[name[:-1] + ("v" if last == TWO_WIDTHS[0] else "u")])
