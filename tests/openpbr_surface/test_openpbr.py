@@ -118,7 +118,7 @@ MIXTURE |= dict(base_color=(0.98, 0.9, 0.85), coat_color=(1.0, 1.0, 1.0))
 COATED = {
     "mixture of indices": (0.03, 0.03, INDICES),
     "two widths": (0.08, 0.08, TURNED | dict(energy_compensation=False)),
-    "brushed plastic": (0.12, 0.11, PLASTIC),
+    "brushed plastic": (0.1, 0.09, PLASTIC),
     "low index": (0.03, 0.03, LOW),
     "rough metal": (0.05, 0.03, RUST | dict(coat_roughness=0.7)),
     "film": (0.04, 0.04, FLAKES | dict(coat_roughness=0.1, coat_color=(1.0, 1.0, 1.0))),

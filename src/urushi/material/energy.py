@@ -158,8 +158,8 @@ def _fitted_within(
     """The code (L,) near z (L,) that has about an albedo within the bounds (K,).
 
     Least squares of the change of the rest at the probe pairs, and of the logarithm of the albedo
-    where it is out of bounds, by Gauss and Newton's method. Above the ceiling it is the logarithm
-    of the rest's share, because the whole rest would be scaled down by it.
+    where it is out of bounds, times the share of the rest in it, by Gauss and Newton's method.
+    Above the ceiling it is the logarithm by which the whole rest would be scaled down.
 
     lobe: (K,) albedos of its lobe. ceiling: (1,), of `limit_albedo`.
     """
@@ -183,9 +183,9 @@ def _fitted_within(
         light = rule.weights * f.reshape(rule.weights.shape)
         rest = np.maximum(light.sum(axis=1), LEAST_ALBEDO)
         total, above = rest + lobe, np.log(np.maximum(rest / allowed, 1))
-        off = np.log(total / np.clip(total, lowest, highest))
+        off = rest / total * np.log(total / np.clip(total, lowest, highest))
         hard = above > np.maximum(off, 0)
-        off, size = np.where(hard, above, off), np.where(hard, rest, total)
+        off, size = np.where(hard, above, off), np.where(hard, rest, total * total / rest)
         error = (code - start) @ form @ (code - start) + ALBEDO_WEIGHTS[-1] * off @ off
         if error < smallest:
             best, smallest = code, error
