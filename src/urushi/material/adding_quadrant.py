@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from urushi.checks import Widths
-from urushi.core.microfacet import pair
+from urushi.core.microfacet import of_widths
 from urushi.core.namespace import Namespace, components
 from urushi.core.table import linear_at
 from urushi.material import adding
@@ -116,12 +116,12 @@ def bottom_parts(f: adding.Brdf) -> np.ndarray:
 
 
 @functools.lru_cache(maxsize=8)
-def interface_parts(alpha: float | Widths, eta: float) -> np.ndarray:
+def interface_parts(alpha: Widths, eta: float) -> np.ndarray:
     """The parts (4, Q, Q) of the reflection of an interface from below; eta: below over above."""
     if eta == 1:
         return np.zeros((4, *2 * weights().shape), np.float32)
     albedo = inner_albedo(components(directions()[:, None]), alpha, eta)
-    lobe = lobes.of_coat(Widths(*map(np.float32, pair(alpha))), np.float32(1 / eta))
+    lobe = lobes.of_coat(of_widths(np.float32, alpha), np.float32(1 / eta))
     return parts(lambda *pairs: lobes.f(lobe, *pairs)[:, None], albedo[:, None])[0]
 
 
@@ -162,13 +162,12 @@ def seen_inside(bottom: np.ndarray, interface: np.ndarray, medium: Sequence[floa
     albedo, sigma_t, g = medium
     own = weights().astype(np.float32)
     through = np.exp(-np.float32(sigma_t) / directions()[:, 2])
-    once = np.float32(0)
     direct = through[:, None] * bottom * through
     if albedo * sigma_t > adding.LEAST_SCATTERING:
         *scattered, once = medium_parts(albedo, sigma_t, g)
         up, _ = adding.covered(bottom * own, through, [x * own for x in scattered])
     else:
-        up = direct * own
+        up, once = direct * own, np.float32(0)
     more = adding.enclosed(up, interface, own) - direct - once
     return np.tensordot(np.float32(PARTS / 4), more, 1)
 

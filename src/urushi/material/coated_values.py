@@ -162,7 +162,7 @@ def _jobs(
     layers = np.array([[adding.resolved(*layer) for layer in own] for own in layers])
     if below.widths == 2:
         bottoms = [parts_of(below, c) for c in channels]
-        more = np.empty((len(channels), *adding_quadrant.TABLE), np.float32)
+        more, factors = np.empty((len(channels), *adding_quadrant.TABLE), np.float32), None
 
         def fill(job: int) -> None:
             *alpha, index = interfaces[:, job]
@@ -171,7 +171,6 @@ def _jobs(
             more[job] = adding_quadrant.table(light)
 
         run_all_cores(fill, range(len(channels)))
-        factors = None
     else:
         more, factors = _turned_back(below, channels, interfaces, layers)
     narrow = below.narrow(np.max(widths, axis=0), eta, channels) & (eta != 1)
