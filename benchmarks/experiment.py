@@ -32,8 +32,8 @@ from urushi.nets.weights import Model, anisotropic_model, default_model, find
 ROOT = Path(__file__).parents[1]
 FIGURES, PARTS = ROOT / "figures", Path("out/figures")
 RESULTS = ROOT / "docs" / "results.md"
-#: The first cells of the table of states, on the page of results.
-STATES = ("results", "date", "minutes", "state")
+#: The sentence on the page of results that names those of other weights.
+STALE = re.compile(r"Stale results: .*?\.(?=\n\n|\n?\Z)", re.DOTALL)
 
 Found = dict[str, Any]
 #: From a case's name to its pictures by name, as sRGB values in [0, 1].
@@ -206,7 +206,13 @@ def states() -> str:
     for name in names():
         date_of = (stored(name) or {"date": ""})["date"]
         rows.append([f"`{name}`", date_of, f"{load(name).minutes:g}", state(name)])
-    return table(STATES, rows)
+    return table(["results", "date", "minutes", "state"], rows)
+
+
+def stale() -> str:
+    """The sentence that names the experiments without results of the shipped weights."""
+    found = [f"`{name}`" for name in names() if state(name)]
+    return textwrap.fill(f"Stale results: {', '.join(found) or 'none'}.", 100)
 
 
 def source(name: str) -> str:
@@ -219,12 +225,15 @@ def source(name: str) -> str:
 
 
 def shown() -> dict[Path, str]:
-    """The texts of all pages with the tables of the stored results, their sources and states.
+    """The texts of all pages with the tables and sources of the stored results, and the stale ones.
 
     Raises:
-        ValueError: a table is on no page, or twice on one.
+        ValueError: a table is on no page, or twice on one; or no sentence names the stale results.
     """
-    texts: dict[Path, str] = {RESULTS: replaced(RESULTS.read_text(), states())}
+    text, sentences = STALE.subn(lambda _: stale(), RESULTS.read_text())
+    if sentences != 1:
+        raise ValueError(f"{RESULTS.name} has {sentences} sentences that begin 'Stale results: '")
+    texts: dict[Path, str] = {RESULTS: text}
     for name in names():
         found, experiment = stored(name), load(name)
         if found is None:

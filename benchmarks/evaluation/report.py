@@ -91,12 +91,22 @@ def _row(parts: list[tuple[Samples, np.ndarray]]) -> dict[str, Any]:
 
 
 def errors_table(rows: Mapping[str, dict[str, Any]]) -> str:
-    """The errors of all rows in per cent. The mean of P is left out: dark tails dominate it."""
-    cells = [
-        [indented(name), quantiles(row["E"]), quantiles(row["P"], ("median",))]
-        for name, row in rows.items()
-    ]
+    """The errors of all rows in per cent. The mean of P is left out: dark tails dominate it.
+
+    Rows of equal figures are one.
+    """
+    found: dict[tuple[str, str], list[str]] = {}
+    for name, row in rows.items():
+        figures = quantiles(row["E"]), quantiles(row["P"], ("median",))
+        found.setdefault(figures, []).append(indented(name))
+    cells = [[_together(names), *figures] for figures, names in found.items()]
     return table(["task of the networks", "E [%]: mean / median / p95", "P: median"], cells)
+
+
+def _together(names: list[str]) -> str:
+    """Several tasks in one cell; what is encoded is said once."""
+    first, *others = names
+    return ", ".join([first, *(name.removeprefix("encode ") for name in others)])
 
 
 def quantiles(errors: dict[str, float], names: Iterable[str] = ("mean", "median", "p95")) -> str:

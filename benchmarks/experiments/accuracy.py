@@ -19,17 +19,25 @@ FIRST = (
 
 
 def tables(found: Found) -> list[str]:
-    """Tables: the README's, with the laws that are broken; all errors; all laws."""
+    """Tables: the README's, with the laws that are broken; all errors; all laws.
+
+    Details of a law that are zero are left out.
+    """
     rows, laws = found["all"]["rows"], found["all"]["laws"]
     first = [[indented(name), quantiles(rows[name]["E"], ("mean", "median"))] for name in FIRST]
-    broken = [[f"broken law: {law['name']}", _limited(law)] for law in laws if law["kept"] is False]
-    kept = {True: "yes", False: "no", None: ""}
-    all_laws = [[indented(law["name"]), _limited(law), kept[law["kept"]]] for law in laws]
+    shown = [law for law in laws if law["value"] or law["limit"] is not None]
+    broken = [_line(law) for law in laws if law["kept"] is False]
     return [
         table(["codes on held-out stacks", "E [%]: mean / median"], first + broken),
         errors_table(rows),
-        table(["law", "value", "kept"], all_laws),
+        table(["law", "value and limit"], map(_line, shown)),
     ]
+
+
+def _line(law: dict[str, Any]) -> list[str]:
+    """The name of a law and its value; a broken one is called so."""
+    name = f"broken law: {law['name']}" if law["kept"] is False else indented(law["name"])
+    return [name, _limited(law)]
 
 
 def _limited(law: dict[str, Any]) -> str:

@@ -231,13 +231,13 @@ def tables(found: Found) -> list[str]:
             parts = [100 * np.array(case[key]) for key in ("Weier", "one width", "networks")]
             cells = ["{:.1f} / {:.1f} / {:.1f}".format(*_summary(e)) for e in parts]
             noise = f"{100 * np.mean(case['reference']):.2f}"
-            others.append([name.removesuffix(", rivals"), f"{len(parts[0])}", *cells, noise])
+            others.append([name.removesuffix(", rivals"), *cells, noise])
             continue
         of = [case[way] for way in WAYS]
         noise, p = _cell([of[0]["reference"]]), _cell([way["P"] for way in of])
         own.append([name, *(_cell(way["E"]) for way in of), noise, p])
     head = ["stacks: E [%]", *WAYS, "of the reference", "median P: " + " / ".join(WAYS)]
-    rivals = ["stacks: E [%]", "number", "Weier and Belcour 2020", "one width", "codes"]
+    rivals = ["stacks: E [%]", "Weier and Belcour 2020", "one width", "codes"]
     made = [markdown(head, own)] if own else []
     return made + ([markdown([*rivals, "of the reference"], others)] if others else [])
 

@@ -73,6 +73,7 @@ def measure(name: str, options: Options) -> dict[str, Any]:
 def tables(found: Found) -> list[str]:
     """All methods; E by family; and what is missing."""
     lines, families, missing = [], [], []
+    simple = {x: sum(map(methods.simple, own.values())) for x, own in materials.MATERIALS.items()}
     for name, own in found.items():
         if "missing" in own:
             missing.append([name, own["missing"]])
@@ -97,15 +98,16 @@ def tables(found: Found) -> list[str]:
         cells = []
         for family, members in materials.MATERIALS.items():
             part = [own["E"][f"{family}, {x}"] for x in members if f"{family}, {x}" in own["E"]]
-            some = f" ({len(part)})" if len(part) < len(members) else ""
+            usual = len(members), simple[family]
+            some = "" if len(part) in usual else f" ({len(part)})"
             cells.append(f"{100 * np.mean(part):.1f}{some}" if part else "–")
         families.append([name, *cells])
     head = ["method", "materials", "E [%]: mean", "p95", "smooth coats", "albedo [%]"]
     made = []
     if lines:
         made.append(table([*head, "white: least", "most", "price [ns]"], lines))
-        heads = [f"{family} ({len(own)})" for family, own in materials.MATERIALS.items()]
-        made.append(table(["E [%] (materials)", *heads], families))
+        heads = [f"{x} ({len(own)}; {simple[x]})" for x, own in materials.MATERIALS.items()]
+        made.append(table(["E [%] (materials; simple ones)", *heads], families))
     if missing:
         made.append(table(["not measured", "why"], missing))
     return made

@@ -157,13 +157,13 @@ def tables(found: Found) -> list[str]:
                 f"{theirs['networks'][0]}",
                 f"{theirs['walk'][1] / theirs['networks'][1]:.2g}",
             ]
-            paper.append([case.title, *samples, *cells])
+            paper.append([case.title, *cells])
     head = ["scene", "samples: walk", "networks", "relative MSE: walk", "networks", "ratio"]
     made = [
         table([*head, "FLIP: walk", "networks"], equal),
         table(["scene", "relative MSE: walk", "networks", "FLIP: walk", "networks"], single),
     ]
-    head = ["scene", "samples: walk", "networks", "MSE: walk", "networks", "walk over networks"]
+    head = ["scene", "MSE: walk", "networks", "walk over networks"]
     return [*made, table([*head, "paper: samples", "ratio"], paper)] if paper else made
 
 

@@ -226,7 +226,6 @@ def tables(found: Found) -> list[str]:
             name,
             f"{case[PRINCIPLED]:.2g} s",
             *(f"{case[key] / case[PRINCIPLED]:.2f}" for key in ("codes", WALK)),
-            f"{case['codes'] / case[WALK]:.2f}",
             f"{case['compile']:.1f} s",
         ]
         for name, case in renders.items()
@@ -242,10 +241,10 @@ def tables(found: Found) -> list[str]:
         [name, *(f"{found['slabs'][f'tables of {name}, {number}']:g}" for number in channels)]
         for name in (SLABS if "slabs" in found else ())
     ]
-    head = ["render", f"`{PRINCIPLED}`", "codes over it", "walk over it", "codes over walk"]
-    made = [table([*head, "codes: compile"], rows)] if rows else []
+    head = ["render", f"`{PRINCIPLED}`", "codes over it", "walk over it", "codes: compile"]
+    made = [table(head, rows)] if rows else []
     if others:
-        made.append(table(["measurement", "a CPU second, or CPU seconds"], others))
+        made.append(table(["measurement", "rate [1/CPU s] or time [CPU s]"], others))
     return made + ([table(["tables of [CPU s]", *channels], slabs)] if slabs else [])
 
 

@@ -147,6 +147,11 @@ def rows(found: Found) -> list[str]:
     return [name for name in known.METHODS if name in found["interfaces_2"]]
 
 
+def apart(found: Found) -> list[str]:
+    """Those with figures of their own: for one width, Weier and Belcour 2020 is Belcour 2018."""
+    return [name for name in rows(found) if name != known.WEIER]
+
+
 def cost_of(part: dict[str, float], name: str) -> float | None:
     """A cost over that of `principled`; None if it was not measured."""
     return part.get(PRINCIPLED if name == fits.PRINCIPLED else name)
@@ -176,7 +181,7 @@ def error_table(found: Found) -> str:
     head = [f"{first} interface", *(str(n) for n in others)]
     head += ["measured bottoms"]
     lines = []
-    for name in rows(found):
+    for name in apart(found):
         if name == fits.PRINCIPLED:  # the first fit
             lines.append([SAME, *same_stacks(found)])
         lines.append([name, *error_cells(found, name)])
@@ -204,7 +209,7 @@ def cost_table(found: Found) -> str:
     head = ["not reciprocal", "largest albedo", "an evaluation", "a render", "textured"]
     head += ["material [B]", "texel [B]", "six interfaces [B]", "new material [s]"]
     lines = []
-    for name in rows(found):
+    for name in apart(found):
         by_number = [found[f"interfaces_{n}"] for n in INTERFACES]
         measured = [part[name] for part in by_number if name in part]
         exchange = max(part["exchange"] for part in measured)

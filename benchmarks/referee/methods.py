@@ -95,6 +95,12 @@ def price(method: Method) -> float | None:
 # Mappings of a stack
 
 
+def simple(stack: Stack) -> bool:
+    """Whether a stack has one coat, whose medium is clear or absorbs."""
+    first, *others = stack.coats
+    return not others and not np.any(np.multiply(first.albedo, first.sigma_t))
+
+
 def one_coat(stack: Stack) -> tuple[Any, Any, np.ndarray]:
     """The coat, the bottom, and the bottom's colour times what the coat transmits both ways.
 

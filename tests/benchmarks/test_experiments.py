@@ -36,7 +36,8 @@ def test_results_of_other_weights_are_stale(monkeypatch):
     other = found | {"weights": {"weights": "0" * 12}}
     monkeypatch.setattr(experiment, "stored", lambda name: other)
     assert experiment.state("accuracy") == "stale"
-    assert "| stale |" in experiment.states()
+    assert "| stale |" in experiment.states() and "`accuracy`" in experiment.stale()
+    assert experiment.STALE.fullmatch(experiment.stale())
 
 
 @pytest.fixture
