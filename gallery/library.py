@@ -12,8 +12,6 @@ from gallery import stage
 from gallery.options import Options
 from gallery.stage import Folder, Light
 from urushi.app.describe import describe, library
-from urushi.material import Material
-from urushi.walk import Stack
 
 #: Spheres of a row, and distances of their centres along a row and between rows; radius 1.
 COLUMNS, ACROSS, DEEP = 6, 2.5, 2.7
@@ -38,7 +36,7 @@ def library_spheres(folder: Folder, options: Options) -> dict[str, Any]:
     for index, name in enumerate(library()):
         row, column = divmod(index, COLUMNS)
         path = folder.path / f"{name.replace(' ', '-')}.safetensors"
-        layered(describe(name)).save(path)
+        urushi.encode(describe(name)).save(path)
         parts[f"sphere-{index}"] = {
             "type": "sphere",
             "to_world": mi.ScalarTransform4d()
@@ -48,16 +46,3 @@ def library_spheres(folder: Folder, options: Options) -> dict[str, Any]:
         }
     view = stage.camera(options, (0.0, -18.5, 15.5), (0.0, -0.45, 0.6), 42.0)
     return stage.scene(view, parts)
-
-
-def layered(description: Any) -> Material:
-    """The material of a description by `urushi.layer`, coat by coat."""
-    if not isinstance(description, Stack):
-        return urushi.encode(description)
-    material = urushi.encode(description.bottom)
-    for coat in reversed(description.coats):
-        medium = {"albedo": coat.albedo, "sigma_t": coat.sigma_t, "g": coat.g}
-        widths = coat.alpha
-        top = urushi.dielectric(widths, eta=coat.eta)
-        material = urushi.layer(top, material, **medium)
-    return material
