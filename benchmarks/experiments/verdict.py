@@ -31,20 +31,20 @@ PAPER = os.environ.get(
 INTERFACES = (1, 2, 3, 4, 5, 6)
 #: CPU seconds of each method in a scene.
 SECONDS = 2.5
-#: What methods have by construction: noise, bottoms, anisotropy, textures, gradients with respect
-#: to all parameters, and languages of real-time shaders.
+#: What methods have by construction: bottoms; anisotropy, textures, and gradients with respect to
+#: all parameters; and languages of real-time shaders.
 HAVE = {
-    known.NETWORKS: "no | any BSDF | yes | yes | yes | GLSL, HLSL, WGSL, OSL",
-    known.PAPER: "no | any BRDF | no | yes | no | no",
-    known.WALK: "yes | any BSDF | yes | yes | no | no",
-    known.BOTH_WAYS: "yes | any BRDF | yes | no | no | no",
-    known.BELCOUR: "no | conductors and diffuse | no | yes | no | no",
-    known.WEIER: "no | conductors and diffuse | yes | no | no | no",
-    known.WEIDLICH: "no | any BSDF | yes | yes | no | no",
-    fits.PRINCIPLED: "no | its own | yes | yes | yes | in most renderers",
-    fits.RECIPE: "no | its own | yes | yes | no | MaterialX",
-    fits.GGX: "no | any, by a fit | no | no | no | no",
-    fits.NBRDF: "no | any, by training | no | no | no | no",
+    known.NETWORKS: "any BSDF | anisotropy, textures, gradients | GLSL, HLSL, WGSL, OSL",
+    known.PAPER: "any BRDF | textures | –",
+    known.WALK: "any BSDF | anisotropy, textures | –",
+    known.BOTH_WAYS: "any BRDF | anisotropy | –",
+    known.BELCOUR: "conductors and diffuse | textures | –",
+    known.WEIER: "conductors and diffuse | anisotropy | –",
+    known.WEIDLICH: "any BSDF | anisotropy, textures | –",
+    fits.PRINCIPLED: "its own | anisotropy, textures, gradients | in most renderers",
+    fits.RECIPE: "its own | anisotropy, textures | MaterialX",
+    fits.GGX: "any, by a fit | – | –",
+    fits.NBRDF: "any, by training | – | –",
 }
 #: Markers of methods, and colours where those of `style` are not enough.
 MARKERS = dict(zip(known.METHODS, "o^s*D1vP<X>", strict=True))
@@ -246,7 +246,7 @@ def lights(found: Found) -> str:
 
 def properties(found: Found) -> str:
     """What methods have by construction."""
-    head = ["method", "noise", "bottoms", "anisotropy", "textures", "gradients", "shaders"]
+    head = ["method", "bottoms", "features", "shaders"]
     return table(head, [[name, HAVE[name]] for name in rows(found)])
 
 
