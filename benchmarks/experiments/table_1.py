@@ -49,13 +49,8 @@ EVALUATED, TURNS = 1 << 16, 5
 ERRORS = {"E": (100, "%"), "P": (100, "%"), "L1": (1e3, "10⁻³/sr"), "PSNR": (1, "dB")}
 #: Texels of a 4K texture, and bytes of a number.
 TEXELS, BYTES = 4096**2, 4
-#: What the paper says of a method: sharp highlights are kept, and how a material is represented.
-PAPER = {
-    "Rainer 2019": ("no", "train a new en/decoder"),
-    "Rainer 2020": ("no", "run the encoder"),
-    "NBRDF": ("yes", "train a new decoder"),
-    "Fan 2022": ("yes", "optimise the code, 10 to 45 s on a GPU"),
-}
+#: Whether a method keeps sharp highlights, as the paper says.
+PAPER = {"Rainer 2019": "no", "Rainer 2020": "no", "NBRDF": "yes", "Fan 2022": "yes"}
 
 
 @functools.cache
@@ -220,7 +215,7 @@ def tables(found: Found) -> list[str]:
 
 def _costs(found: Found) -> str:
     head = ["method", "numbers per texel", "per decoder", "one decoder for", "4K texture"]
-    head += ["to represent", "to evaluate", "paper: keeps highlights", "paper: for a new material"]
+    head += ["to represent", "to evaluate", "paper: keeps highlights"]
     rows = []
     for method, (texel, decoder, serves) in storage().items():
         size = BYTES * (TEXELS * texel + decoder) / 1e9
@@ -231,7 +226,7 @@ def _costs(found: Found) -> str:
             median = float(np.median([case["seconds"] for case in cases if "seconds" in case]))
             spent = f"{median:.2g} s" if median > 0.1 else f"{1000 * median:.2g} ms"
             cells[-2:] = [spent, f"{found['evaluation'][method]:.2g} µs"]
-        rows.append([*cells, *PAPER.get(method, ("", ""))])
+        rows.append([*cells, PAPER.get(method, "")])
     return table(head, rows)
 
 
