@@ -2,9 +2,9 @@
 
 Prints E and the error of the albedo, in per cent, of the plugin `openpbr` and of OpenPBR's closed
 forms, or with `--values FILE` of another renderer. The reference is one safetensors file: f of 40
-coated materials by random walks through the coat, at 300 pairs of directions. docs/conformance.md
-describes its format. `--make FILE` simulates it from fixed seeds, in about a minute on two cores of
-an AMD EPYC.
+coated materials by random walks through the coat, at 300 pairs of directions of cosine density on
+both sides. docs/conformance.md describes its format. `--make FILE` simulates the values of its
+materials and pairs again from fixed seeds, in about a minute on two cores of an AMD EPYC.
 """
 
 import argparse
@@ -23,16 +23,15 @@ from tqdm import tqdm
 
 from urushi import files
 from urushi.checks import finite
-from urushi.core import direction_sets
 from urushi.errors import ParameterError
 from urushi.files import read_npz
 from urushi.openpbr_surface.description import openpbr
 
-#: Number of pairs of directions, which have cosine density on both sides.
-PAIRS = 300
+KIND, FILE = "conformance", Path(__file__).with_suffix(".safetensors")
 
-KIND, VERSION = "conformance", 1
-FILE = Path(__file__).with_suffix(".safetensors")
+#: Walks of a pair in one evaluation, evaluations of the pilot run, and greatest number of
+#: evaluations. The pilot run tells how many give the `ERROR`, E of one standard error.
+WALKS, PILOT, MOST_ROUNDS, ERROR = 1024, 2, 64, 0.004
 
 
 class Reference(NamedTuple):
@@ -94,68 +93,14 @@ def errors_table(reference: Reference, results: Mapping[str, np.ndarray]) -> str
     return table(["E / error of the albedo [%]", *results, "noise"], rows)
 
 
-#: Seed from which the pairs are drawn.
-SEED = 20260
-
-#: Walks of a pair in one evaluation, evaluations of the pilot run, and greatest number of
-#: evaluations. The pilot run tells how many give the `ERROR`, E of one standard error.
-WALKS, PILOT, MOST_ROUNDS, ERROR = 1024, 2, 64, 0.004
-
-_METAL = {"base_metalness": 1.0}
-_BASES: dict[str, dict[str, Any]] = {
-    "gold": _METAL | {"base_color": (0.94, 0.76, 0.38), "specular_color": (1.0, 0.98, 0.87)},
-    "rough steel": _METAL | {"base_color": (0.6, 0.58, 0.56), "specular_roughness": 0.6},
-    "brushed aluminium": _METAL | {
-        "base_color": (0.91, 0.92, 0.92), "specular_roughness": 0.4,
-        "specular_roughness_anisotropy": 0.6,
-    },
-    "red plastic": {"base_color": (0.6, 0.05, 0.04)},
-    "white paint": {"base_color": (0.8, 0.8, 0.8), "specular_weight": 0.0},
-    "clay": {
-        "base_color": (0.55, 0.35, 0.25), "base_diffuse_roughness": 0.8, "specular_roughness": 0.7,
-    },
-    "metallic lacquer": {
-        "base_metalness": 0.5, "base_color": (0.1, 0.25, 0.6), "specular_roughness": 0.4,
-    },
-    "enamel": {
-        "base_color": (0.05, 0.1, 0.3), "specular_roughness": 0.35, "specular_ior": 2.0,
-    },
-}  # fmt: skip
-
-_COATS: dict[str, dict[str, Any]] = {
-    "clear": {"coat_roughness": 0.25},
-    "satin": {"coat_roughness": 0.6},
-    "varnish": {"coat_roughness": 0.3, "coat_color": (0.9, 0.55, 0.2)},
-    "half": {
-        "coat_weight": 0.5, "coat_roughness": 0.4, "coat_color": (0.4, 0.7, 0.9), "coat_ior": 1.8,
-    },
-    "brushed": {
-        "coat_roughness": 0.45, "coat_roughness_anisotropy": 0.5, "coat_ior": 1.35,
-        "coat_color": (0.7, 0.9, 0.75),
-    },
-}  # fmt: skip
-
-#: The materials: parameters of OpenPBR by name. Every base is under every coat.
-MATERIALS: dict[str, dict[str, Any]] = {
-    f"{base}, {coat}": {"coat_weight": 1.0, **below, **above}
-    for base, below in _BASES.items()
-    for coat, above in _COATS.items()
-}
-
-
-def pairs() -> tuple[np.ndarray, np.ndarray]:
-    """The pairs (`PAIRS`, 3), float32."""
-    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS, lowest_cosine=0.02)
-    return np.asarray(wi, np.float32), np.asarray(wo, np.float32)
-
-
-def simulate(parameters: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """f and its standard error, float32 (`PAIRS`, 3), by random walks through the coat.
+def simulate(
+    parameters: Mapping[str, Any], wi: np.ndarray, wo: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """f and its standard error, float32 (N, 3), by random walks through the coat.
 
     The pilot run is discarded, so that the number of walks does not depend on the values.
     """
     bsdf = openpbr(reference=True, **parameters).bsdf()
-    wi, wo = pairs()
     mean, se = _walked(bsdf, wi, wo, range(PILOT))
     factor = channel_errors(mean + se, mean, wi, wo).max() / ERROR
     rounds = min(max(int(np.ceil(PILOT * factor**2)), 1), MOST_ROUNDS)
@@ -180,18 +125,14 @@ def _walked(
 
 
 def make(path: str | os.PathLike) -> None:
-    """Simulate all materials and write the file."""
-    simulated = [simulate(parameters) for parameters in tqdm(MATERIALS.values(), disable=None)]
-    wi, wo = pairs()
-    description = {
-        "version": VERSION,
-        "seed": SEED,
-        "walks": {"round": WALKS, "rounds": MOST_ROUNDS, "error": ERROR},
-        "licence": "CC0-1.0",
-        "materials": [{"name": k, "parameters": v} for k, v in MATERIALS.items()],
-    }
+    """Simulate the materials of the file that ships at its pairs, and write a file."""
+    (description, arrays), reference = files.read_tensors(FILE, KIND), read()
+    simulated = [
+        simulate(parameters, reference.wi, reference.wo)
+        for parameters in tqdm(reference.parameters.values(), disable=None)
+    ]
     f, se = (np.stack(x) for x in zip(*simulated, strict=True))
-    files.write_tensors(path, KIND, description, {"wi": wi, "wo": wo, "f": f, "se": se})
+    files.write_tensors(path, KIND, description, arrays | {"f": f, "se": se})
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from benchmarks import brdf_errors, sphere
-from benchmarks.measures import Brdf, error, in_plane
-from benchmarks.pairs import half_angle_pairs
+from benchmarks import measures, sphere
+from benchmarks.measures import Brdf, error, half_angle_pairs, in_plane
 from benchmarks.pictures import compare
 from benchmarks.showing import percent, table
 from matplotlib.figure import Figure
@@ -66,7 +65,7 @@ def examine(path: Path, name: str, source: Any, material: Material) -> dict[str,
     pictures, inside = [sphere.studio(f) for f in both], sphere.mask()
     figures = {
         "E": e,
-        "P": float(np.median(brdf_errors.pair_error(material.f(wi, wo), truth))),
+        "P": float(np.median(measures.pair_error(material.f(wi, wo), truth))),
         "anisotropy": found.deviations.anisotropy,
         "reciprocity": found.deviations.reciprocity,
         "PSNR": compare(pictures[1], pictures[0], inside).psnr,

@@ -78,8 +78,10 @@ class Experiment:
 
     Attributes:
         cases: from options to the cases by name.
-        measure: (case, options) -> JSON values, or these and pictures (..., H, W, 3) of linear
-            radiance by name, in a tuple. Finished cases are kept, and are not measured again.
+        measure: (case, options) -> values by name, in lists and arrays, or these and pictures
+            (..., H, W, 3) of linear radiance by name, in a tuple; by default the case is this
+            function of the options. Finished cases are kept, and are not measured again. Floats are
+            kept to five significant digits, so that committed files are small.
         tables: from values by case to tables in Markdown; a case may be missing.
         plot: (values by case, pictures by case) -> figure, if there is one.
         pages: of the tables, relative to the repository.
@@ -88,8 +90,8 @@ class Experiment:
     """
 
     cases: Callable[[Options], Mapping[str, Any]]
-    measure: Callable[[Any, Options], Any]
     tables: Callable[[Found], list[str]]
+    measure: Callable[[Any, Options], Any] = lambda case, options: case(options)
     plot: Callable[[Found, Pictures], Figure] | None = None
     pages: tuple[str, ...] = ("docs/results.md",)
     models: Mapping[str, Callable[[], Any]] = field(default_factory=dict)
@@ -121,68 +123,69 @@ def run(name: str, options: Options, chosen: Sequence[str] = (), fresh: bool = F
             default ones.
         fresh: measure cases again that were measured before.
     """
-    experiment, folder = load(name), parts_folder(name, options)
-    known = experiment.cases(options)
+    experiment = load(name)
+    key = hashlib.sha256(repr((options.model.fingerprint, options)).encode()).hexdigest()[:12]
+    known, folder = experiment.cases(options), PARTS / f"{name}-{key}"
     cases = {k: c for k, c in known.items() if not chosen or k in chosen}
     if not cases:
-        print(f"{name} has no cases: {_reason(known, chosen)}")
+        reason = "it measures files, and found none; give --files, or set URUSHI_TEST_DATA"
+        if known:
+            reason = f"it knows none of {', '.join(chosen)}; choose from {', '.join(known)}"
+        print(f"{name} has no cases: {reason}")
         return {}
+
+    def file(case: str, suffix: str) -> Path:
+        return folder / (re.sub(r"[^\w.-]+", "_", case) + suffix)
+
+    def pictures(case: str) -> dict[str, np.ndarray]:
+        with np.load(file(case, ".npz")) as kept:
+            return {name: metrics.shown(kept[name].astype(np.float32)) for name in kept}
+
     found: Found = {}
     for key, case in tqdm(cases.items(), desc=name, unit="case", disable=None):
-        path = folder / f"{_file_name(key)}.json"
+        path = file(key, ".json")
         if fresh or not path.is_file():
             measured = experiment.measure(case, options)
-            values, pictures = measured if isinstance(measured, tuple) else (measured, None)
+            values, images = measured if isinstance(measured, tuple) else (measured, None)
             folder.mkdir(parents=True, exist_ok=True)
-            if pictures is not None:
-                with atomic_write(path.with_suffix(".npz")) as temporary:
-                    np.savez(temporary, **{k: np.float16(v) for k, v in pictures.items()})
-            _write_json(path, values)
+            if images is not None:
+                with atomic_write(file(key, ".npz")) as temporary:
+                    np.savez(temporary, **{k: np.float16(v) for k, v in images.items()})
+            _write_json(path, _short(values))
         found[key] = json.loads(path.read_text())
     if not chosen and replace(options, files=()) == Options():
         stamp = {"date": date.today().isoformat(), "processor": processor()}
         models = {key: model().fingerprint for key, model in experiment.models.items()}
         _write_json(FIGURES / f"{name}.json", {**stamp, "weights": models, "cases": found})
         if experiment.plot is not None:
-            figure = experiment.plot(found, lambda key: _shown(folder / f"{_file_name(key)}.npz"))
+            figure = experiment.plot(found, pictures)
             with atomic_write(FIGURES / f"{name}.png") as temporary:
                 figure.savefig(temporary, format="png", dpi=DPI)
     return found
 
 
-def _reason(known: Mapping[str, Any], chosen: Sequence[str]) -> str:
-    """Why an experiment of known cases has none of the chosen ones, or of all."""
-    if known:
-        return f"it knows none of {', '.join(chosen)}; choose from {', '.join(known)}"
-    return "it measures files, and found none; give --files, or set URUSHI_TEST_DATA"
-
-
-def parts_folder(name: str, options: Options) -> Path:
-    """The folder of an experiment's finished cases, for these options."""
-    key = hashlib.sha256(repr((options.model.fingerprint, options)).encode()).hexdigest()[:12]
-    return PARTS / f"{name}-{key}"
-
-
-def _file_name(case: str) -> str:
-    return re.sub(r"[^\w.-]+", "_", case)
+def _short(values: Any) -> Any:
+    """Values for JSON: five digits of floats, and lists in the place of arrays."""
+    if isinstance(values, (np.ndarray, np.generic)):
+        values = values.tolist()
+    if isinstance(values, Mapping):
+        return {name: _short(value) for name, value in values.items()}
+    if isinstance(values, (list, tuple)):
+        return [_short(value) for value in values]
+    return float(f"{values:.5g}") if isinstance(values, float) else values
 
 
 def _write_json(path: Path, values: Any) -> None:
-    text = json.dumps(values, indent=1)
     with atomic_write(path) as temporary:
-        temporary.write_text(text + "\n")
-
-
-def _shown(path: Path) -> dict[str, np.ndarray]:
-    with np.load(path) as file:
-        return {name: metrics.shown(file[name].astype(np.float32)) for name in file}
+        temporary.write_text(json.dumps(values, indent=1) + "\n")
 
 
 def processor() -> str:
     """The name of this machine's processor."""
-    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    found = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return found[0] if found else platform.machine()
+    found = re.search(
+        r"^model name\s*: (.*)", Path("/proc/cpuinfo").read_text("utf-8"), re.MULTILINE
+    )
+    return found[1] if found else platform.machine()
 
 
 def stored(name: str) -> Found | None:
@@ -202,10 +205,8 @@ def state(name: str) -> str:
 
 def states() -> str:
     """A table of all experiments: date of the stored results, and which are stale."""
-    rows = []
-    for name in names():
-        date_of = (stored(name) or {"date": ""})["date"]
-        rows.append([f"`{name}`", date_of, f"{load(name).minutes:g}", state(name)])
+    dates = {name: (stored(name) or {"date": ""})["date"] for name in names()}
+    rows = [[f"`{k}`", day, f"{load(k).minutes:g}", state(k)] for k, day in dates.items()]
     return table(["results", "date", "minutes", "state"], rows)
 
 
@@ -247,9 +248,7 @@ def shown() -> dict[Path, str]:
             head = new.partition("\n")[0]
             having = [page for page in pages if head in texts[page].split("\n")]
             if not having:
-                raise ValueError(
-                    f"no page of {name} has a table that begins '{head}'; add the line"
-                )
+                raise ValueError(f"no page of {name} has a table that begins '{head}'; add it")
             for page in having:
                 texts[page] = replaced(texts[page], new)
     return texts
@@ -261,11 +260,8 @@ def replaced(text: str, new: str) -> str:
     Raises:
         ValueError: the page has no such table, or more than one.
     """
-    head = new.partition("\n")[0]
-    lines = text.split("\n")
-    if lines.count(head) != 1:
-        raise ValueError(f"the page has {lines.count(head)} tables with the first line '{head}'")
-    start = end = lines.index(head)
-    while end < len(lines) and lines[end].startswith("|"):
-        end += 1
-    return "\n".join([*lines[:start], *new.split("\n"), *lines[end:]])
+    head = re.escape(new.partition("\n")[0])
+    text, count = re.subn(rf"^{head}$(\n\|.*)*", lambda _: new, text, flags=re.MULTILINE)
+    if count != 1:
+        raise ValueError(f"the page has {count} tables with the first line '{head}'")
+    return text

@@ -13,39 +13,29 @@ eval       every figure of the experiment `accuracy`                            
 training   fingerprint of the preset `smoke`, from simulated data to trained weights   3 min
 """
 
-import argparse
 import hashlib
 import json
-import sys
 import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+import tyro
 from benchmarks.evaluation import benchmark, report
+from benchmarks.spheres import texture
 from gallery import stage
 
 import urushi
+from urushi.core.direction_sets import cosine_pairs
 from urushi.files import atomic_write, read_tensors
 from urushi.nets.weights import DEFAULT, default_model
 from urushi.textures.store import KIND
 from urushi.train import training as loop
 
-#: Textures by name: texels along a side, channels, and their range.
-TEXTURES = {
-    "alpha": (48, 1, 0.05, 0.5),
-    "albedo": (48, 3, 0, 1),
-    "sigma_t": (48, 3, 0, 2),
-    "g": (48, 3, -0.5, 0.5),
-    "coarse alpha": (32, 1, 0.05, 0.5),
-    "coarse sigma_t": (32, 3, 0, 2),
-    "base_color": (64, 3, 0.05, 0.9),
-    "roughness": (64, 1, 0.2, 0.9),
-}
 #: Pairs of directions.
 PAIRS = 500
 
@@ -53,16 +43,10 @@ Entries = dict[str, str]
 
 
 @cache
-def inputs() -> tuple[dict[str, Any], np.ndarray, np.ndarray, np.ndarray]:
-    """`TEXTURES` of noise, wi and wo float32 (N, 3) above the horizon, u (N, 3) in [0, 1)."""
-    rng, textures = np.random.default_rng(0), {}
-    for name, (size, channels, low, high) in TEXTURES.items():
-        texels = np.float32(low + (high - low) * rng.random((size, size, channels)))
-        textures[name] = {"type": "bitmap", "bitmap": mi.Bitmap(texels), "raw": True}
-    w = rng.normal(size=(2, PAIRS, 3))
-    w[..., 2] = np.abs(w[..., 2])
-    w /= np.linalg.norm(w, axis=-1, keepdims=True)
-    return textures, *np.float32(w), rng.random((PAIRS, 3))
+def inputs() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """wi and wo float32 (N, 3) above the horizon, u (N, 3) in [0, 1)."""
+    rng = np.random.default_rng(0)
+    return *cosine_pairs(rng, PAIRS), rng.random((PAIRS, 3))
 
 
 def hashed(*arrays: np.ndarray) -> str:
@@ -101,18 +85,22 @@ def lobe(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     return np.exp(-3 * np.sum((wi - wo) ** 2, 1))[:, None] * [0.1, 0.2, 0.3]
 
 
+def colors() -> dict[str, Any]:
+    """Textures of a bottom."""
+    return {"base_color": texture(64, 0.05, 0.9, 3, 1), "roughness": texture(64, 0.2, 0.9, 1, 2)}
+
+
 def textures() -> Entries:
     """Packed texels, and their ranges, of textured coats."""
-    maps = inputs()[0]
-    below = {name: maps[name] for name in ("base_color", "roughness")}
-    coarse = {name: maps[f"coarse {name}"] for name in ("alpha", "sigma_t")}
+    ranges = {"albedo": (0, 1, 3, 4), "sigma_t": (0, 2, 3, 5), "g": (-0.5, 0.5, 3, 6)}
+    media = {name: texture(48, *limits) for name, limits in ranges.items()}
+    below = {"type": "principled", **colors(), "metallic": 0.3}
+    coarse = {"alpha": texture(32, 0.05, 0.5, 1, 7), "sigma_t": texture(32, 0, 2, 3, 8)}
     bsdfs = {
         "over a conductor": coat(
-            stage.conductor("Au", 0.2), **{k: maps[k] for k in ("alpha", "albedo", "sigma_t", "g")}
+            stage.conductor("Au", 0.2), alpha=texture(48, 0.05, 0.5, 1, 3), **media
         ),
-        "over a texture": coat(
-            {"type": "principled", **below, "metallic": 0.3}, albedo=0.5, **coarse
-        ),
+        "over a texture": coat(below, albedo=0.5, **coarse),
     }
     found = {k: saved(bsdf, lambda path: read_tensors(path, KIND)[1]) for k, bsdf in bsdfs.items()}
     return {k: hashed(*(a[x] for x in ("texels", "lowest", "step"))) for k, a in found.items()}
@@ -141,7 +129,7 @@ def codes() -> Entries:
 
 def values() -> Entries:
     """What a stack and a material give for pairs of directions."""
-    (_, wi, wo, u), material = inputs(), layered()
+    (wi, wo, u), material = inputs(), layered()
     return {
         "simulate": hashed(*urushi.simulate(stack(), wi, wo, walks=256, progress=False)),
         "f": hashed(material.f(wi, wo)),
@@ -153,12 +141,12 @@ def values() -> Entries:
 
 def openpbr() -> Entries:
     """f cos, pdf and samples of the plugin `openpbr`."""
-    maps, wi, wo, u = inputs()
+    wi, wo, u = inputs()
     metal = {"base_metalness": 1.0, "base_color": stage.rgb(0.98, 0.77, 0.34)}
     turned = {"specular_roughness_anisotropy": 0.6, "base_diffuse_roughness": 0.4}
     film = {"thin_film_weight": 0.8, "thin_film_ior": 1.6}
     top = {"coat_weight": 1.0, "coat_color": stage.rgb(0.9, 0.7, 0.4), "coat_roughness": 0.2}
-    color = {"base_color": maps["base_color"], "specular_roughness": maps["roughness"]}
+    maps = {name.replace("rough", "specular_rough"): value for name, value in colors().items()}
     mixed = {**turned, **film, "base_metalness": 0.4, "coat_weight": 0.6, "coat_ior": 1.4}
     cases = {
         "plain": {"fuzz_weight": 0.5},
@@ -167,7 +155,7 @@ def openpbr() -> Entries:
         "coat": {**top, "base_color": stage.rgb(0.2, 0.5, 0.8), "coat_darkening": 0.3},
         "coated gold": {**metal, **top},
         "coated mixture": {**top, **mixed},
-        "coated textures": {**top, **color},
+        "coated textures": {**top, **maps},
         "walk": {**top, **metal, "reference": True},
     }
     si, found = dr.zeros(mi.SurfaceInteraction3f, len(wi)), {}
@@ -205,22 +193,25 @@ SECTIONS: dict[str, Callable[[], Entries]] = {
 }
 
 
-def main() -> int:
-    """Write the file and compare."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("output", type=Path, help="JSON file to write")
-    parser.add_argument("--compare", type=Path, help="JSON file of an earlier run")
-    parser.add_argument("--sections", nargs="+", choices=SECTIONS, default=list(SECTIONS))
-    options = parser.parse_args()
+def main(
+    output: tyro.conf.Positional[Path],
+    compare: Path | None = None,
+    sections: tuple[Literal[tuple(SECTIONS)], ...] = tuple(SECTIONS),  # type: ignore[valid-type]
+) -> None:
+    """Write the file and compare.
+
+    Args:
+        output: JSON file to write.
+        compare: JSON file of an earlier run.
+        sections: to run.
+    """
     mi.set_variant("llvm_ad_rgb")
-    new = {name: SECTIONS[name]() for name in options.sections}
-    with atomic_write(options.output) as temporary:
+    new = {name: SECTIONS[name]() for name in sections}
+    with atomic_write(output) as temporary:
         temporary.write_text(json.dumps(new, indent=1) + "\n")
-    if options.compare is None:
-        return 0
-    old = json.loads(options.compare.read_text())
+    if compare is None:
+        return
+    old = json.loads(compare.read_text())
     both = [section for section in new if section in old]
     differences = [
         f"{section}/{name}: {old[section].get(name)} -> {new[section].get(name)}"
@@ -229,8 +220,8 @@ def main() -> int:
         if old[section].get(name) != new[section].get(name)
     ]
     print("\n".join(differences) or f"same: {', '.join(both)}")
-    return bool(differences)
+    raise SystemExit(bool(differences))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    tyro.cli(main, description=__doc__)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import samples
-from benchmarks.evaluation.benchmark_set import rows
 from benchmarks.evaluation.distributions import Table2
 from benchmarks.experiment import Options
 from benchmarks.measured import Reciprocal, materials
@@ -75,8 +74,8 @@ def subjects(options: Options) -> Iterator[Subject]:
     rng = np.random.default_rng(SEED)
     table = coloured(Table2(1), rng, COUNTS[STACKS])
     for i in range(COUNTS[STACKS]):
-        part = rows(table, slice(3 * i, 3 * i + 3))
-        yield Subject(f"stack_{i}", STACKS, Walked(part, SEED + i))
+        own = samples.part(table, slice(3 * i, 3 * i + 3))
+        yield Subject(f"stack_{i}", STACKS, Walked(own, SEED + i))
     for i in range(COUNTS[CONDUCTORS]):
         alpha = rng.uniform(0.216, 1) ** 3
         conductor = urushi.conductor(alpha=alpha, r0=rng.uniform(0, 1, 3))

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from benchmarks.brdf_errors import DARK_OFFSET
 from benchmarks.evaluation import predict
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import Group, Samples
+from benchmarks.measures import DARK_OFFSET
 
 from urushi.checks import CoatParameters
 from urushi.material import Material
@@ -149,7 +149,7 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
         group = Group(f"absorbing {kind}", Extended(1, kind), stacks)
         table, (wi, wo) = sampling.draw_stacks(group), sampling.draw_pairs(group)
         nothing = np.zeros(wi.shape[:2], np.float32)
-        bare = Samples(sampling.lowest(table, 0), wi, wo, nothing, nothing)
+        bare = Samples(sampling.part(table, lowest=0), wi, wo, nothing, nothing)
         bottoms = predict.material(model, bare, how="table")
         coat = {
             name: getattr(table, name)[:, 0].astype(np.float64) for name in CoatParameters._fields

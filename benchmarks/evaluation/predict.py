@@ -6,14 +6,14 @@ import numpy as np
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import Samples
 
-from urushi.checks import CoatParameters, one_width
+from urushi.checks import CoatParameters
 from urushi.core.microfacet import of_widths
 from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.core.table import node_pairs, table_of_values
 from urushi.material import Material
 from urushi.material.layer import layer_material, transported_codes
 from urushi.material.source import STACK_WALKS
-from urushi.material.values import material_from_values, material_of_lobes, required_pairs
+from urushi.material.values import codes_of_values, material_of_lobes, required_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.transmittance import remainder
 from urushi.nets.weights import Model
@@ -22,7 +22,7 @@ from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS
 
 #: Seed of the walks for probe pairs that differ from the stored ones.
-_PROBE_SEED = 1
+_PROBE_SEED = 0
 
 
 def materials(
@@ -59,11 +59,12 @@ def _lower(model: Model, samples: Samples, encoded: int, exact: bool) -> Materia
     pairs = model.networks.pairs() if encoded else required_pairs(None, model, table=False)
     values, table = lower_values(samples, encoded, *pairs), samples.table
     if encoded == 0 and KINDS[table.kind].family.bare:
-        return material_of_lobes(_lobes(samples, encoded), model, len(values))
+        return material_of_lobes(_lobes(model, samples, encoded), model, len(values))
     known = encoded or KINDS[table.kind].family.fresnel_numbers(table.bottom) is not None
-    lobe = _lobes(samples, encoded) if known else None
-    found = material_from_values(values.T, model, lobe=lobe)
-    if encoded or not exact:
+    lobe = _lobes(model, samples, encoded)[:, None] if known else None
+    # Each stack by itself: the channels of a material share the stretch of two widths.
+    found = Material(codes_of_values(values[:, None], model, lobe)[:, 0], model)
+    if encoded or not exact or model.widths == 2:
         return found
     wi, wo = node_pairs()
     lobe = found.latents[:, None, : model.arch.lobe]
@@ -71,13 +72,13 @@ def _lower(model: Model, samples: Samples, encoded: int, exact: bool) -> Materia
     return replace(found, table=table_of_values(rest.T), beside_lobe=True)
 
 
-def _lobes(samples: Samples, encoded: int) -> np.ndarray:
-    """The known lobes (S, 6) of the encoded BRDFs: of the topmost coat or of the bottom."""
+def _lobes(model: Model, samples: Samples, encoded: int) -> np.ndarray:
+    """The known lobes (S, L') of the encoded BRDFs: of the topmost coat or of the bottom."""
     table = samples.table
-    if encoded:
-        alpha = one_width(table.alpha, "the table's")
-        return lobes.of_coat(alpha[:, -encoded], table.eta[:, -encoded])
-    return bottom_lobes(table.kind, table.bottom)
+    if not encoded:
+        return bottom_lobes(table.kind, table.bottom, model.widths)
+    coat = coats_at(table, table.coats - encoded)
+    return lobes.of_coat(coat.alpha, coat.eta)
 
 
 def split(whole: Material) -> list[Material]:
@@ -113,5 +114,5 @@ def lower_values(samples: Samples, coats: int, wi: np.ndarray, wo: np.ndarray) -
     stored = probe_pairs(PROBES)
     if coats in samples.probed and np.array_equal(stored, (wi, wo)):
         return samples.probed[coats]
-    lower = sampling.lowest(samples.table, coats)
+    lower = sampling.part(samples.table, lowest=coats)
     return sampling.walk_all(lower, wi_all, wo_all, STACK_WALKS, _PROBE_SEED)[0]

@@ -5,14 +5,17 @@ The rows of the table of errors are sets of groups of stacks.
 
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
-from benchmarks import brdf_errors
+from benchmarks import measures
 from benchmarks.evaluation.distributions import Clear, Table2
-from benchmarks.pairs import half_angle_pairs
+from benchmarks.measures import half_angle_pairs
 
+from urushi.checks import CoatParameters
 from urushi.core import direction_sets
+from urushi.core.microfacet import of_widths
 from urushi.train.distribution import Extended
 from urushi.walk import StackTable, analytic, walk_pairs
 
@@ -137,6 +140,7 @@ class Samples:
             for networks with other probe pairs the values are simulated when they are needed.
         albedo, albedo_se: (up to `ALBEDO_STACKS`, `ALBEDO_COSINES`) float32, directional albedo of
             the first stacks; None without coats.
+        e_pairs: number of the pairs for E.
     """
 
     table: StackTable
@@ -147,6 +151,7 @@ class Samples:
     probed: Mapping[int, np.ndarray] = field(default_factory=dict)
     albedo: np.ndarray | None = None
     albedo_se: np.ndarray | None = None
+    e_pairs: int = E_PAIRS
 
 
 def draw_stacks(group: Group, seed: int = 0) -> StackTable:
@@ -183,11 +188,15 @@ def by_row(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
     return row, wi.reshape(-1, 3), wo.reshape(-1, 3)
 
 
-def lowest(table: StackTable, coats: int) -> StackTable:
-    """The lower parts of stacks: their last `coats` coats over the bottom."""
-    names = ("alpha", "eta", "albedo", "sigma_t", "g")
-    columns = {name: getattr(table, name)[:, table.coats - coats :] for name in names}
-    return StackTable(**columns, kind=table.kind, bottom=table.bottom)
+def part(table: StackTable, stacks: slice = slice(None), lowest: int | None = None) -> StackTable:
+    """Some of a table's stacks, and their `lowest` coats over the bottom; None: all."""
+    coats = slice(0 if lowest is None else table.coats - lowest, None)
+    columns: dict[str, Any] = {
+        name: of_widths(lambda x: x[stacks, coats], getattr(table, name))
+        for name in CoatParameters._fields
+    }
+    bottom = {name: values[stacks] for name, values in table.bottom.items()}
+    return replace(table, **columns, bottom=bottom)
 
 
 def walk_all(
@@ -216,11 +225,12 @@ def reference_error(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
 
 def stack_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
     """E of every stack, (S,), from values (S, M) at all pairs."""
-    part = slice(None, E_PAIRS)
+    part = slice(None, samples.e_pairs)
     cos_i, cos_o = samples.wi[:, part, 2], samples.wo[:, part, 2]
-    return brdf_errors.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)
+    return measures.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)
 
 
 def pair_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
-    """P of every pair, (S, P_PAIRS), from values (S, M) at all pairs."""
-    return brdf_errors.pair_error(f_hat[:, E_PAIRS:], samples.f[:, E_PAIRS:])
+    """P of every pair for it, (S, M - `e_pairs`), from values (S, M) at all pairs."""
+    part = slice(samples.e_pairs, None)
+    return measures.pair_error(f_hat[:, part], samples.f[:, part])

@@ -11,10 +11,9 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from benchmarks.brdf_errors import stack_error
 from benchmarks.experiment import BOTH, Experiment, Found, Options
-from benchmarks.measures import bsdf_values
-from benchmarks.showing import rounded, table
+from benchmarks.measures import bsdf_values, stack_error
+from benchmarks.showing import table
 
 import urushi  # noqa: F401  (registers the plugins)
 from urushi.core import direction_sets
@@ -167,8 +166,8 @@ def measure(bottom: dict[str, Any], _: Options) -> Found:
             [np.abs(albedo_errors(walk, plugin)).max(), pair_errors(walk, plugin).max()]
             for plugin in both
         ]
-        found[name] = rounded(worst[0])
-        found["codes"] = rounded(np.maximum(found.get("codes", [0, 0]), worst[1]))
+        found[name] = worst[0]
+        found["codes"] = np.maximum(found.get("codes", 0), worst[1])
         dr.flush_malloc_cache()
     return found
 

@@ -9,15 +9,16 @@ docs/coat_roughness.csv.
 """
 
 import csv
-import importlib.util
+import runpy
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from benchmarks import experiment
 from benchmarks.experiment import Experiment, Found, Options, Pictures
-from benchmarks.showing import figure, interval, rounded, table
+from benchmarks.showing import figure, interval, table
 from scipy.optimize import least_squares, minimize_scalar
 
 import urushi
@@ -34,19 +35,11 @@ ROUGHNESS = (0.1, 0.2, 0.35, 0.5, 0.7, 1.0)
 ANGLES = (0.01, 30.0, 45.0, 60.0)
 #: Reflectances of the bases; the roughness of the lobe is that of the second.
 BASES = (0.2, 0.5, 0.9)
+#: The functions of docs/coat_formulas.py.
+FORMULAS: Any = SimpleNamespace(**runpy.run_path(str(DOCS / "coat_formulas.py")))
 #: Azimuths of the quadrature in each half of the range; walks of a pair, their seeds, and stacks.
 AZIMUTHS, WALKS, SEEDS = 6, 2048, 4
 WALKED = ((1.5, 0.1, 0.35), (1.5, 0.5, 0.35), (1.33, 0.35, 0.2), (2.0, 0.5, 0.5), (2.5, 1.0, 0.7))
-
-
-@cache
-def formulas() -> Any:
-    """The module docs/coat_formulas.py."""
-    spec = importlib.util.spec_from_file_location("coat_formulas", DOCS / "coat_formulas.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 class Nodes:
@@ -57,22 +50,18 @@ class Nodes:
         wi = np.stack([np.sin(t), 0 * t, np.cos(t)], axis=-1)
         self.wo, weights = half_vector_rule(wi, azimuths=azimuths)
         self.wi, self.weights = (
-            np.repeat(wi[:, None], len(self.wo[0]), 1),
+            np.broadcast_to(wi[:, None], self.wo.shape),
             weights * self.wo[..., 2],
         )
-
-    def flat(self) -> list[np.ndarray]:
-        return [w.reshape(-1, 3).astype(np.float32) for w in (self.wi, self.wo)]
+        self.flat = [w.reshape(-1, 3).astype(np.float32) for w in (self.wi, self.wo)]
 
     def lobe(self, alpha: float, eta: float = 1.0) -> np.ndarray:
         """The GGX lobe of white facets below a smooth interface of an index; 1: none."""
         i, o = (refracted(w, eta) for w in (self.wi, self.wo))
-        passed = 1.0
-        if eta != 1:
-            passed = np.prod(
-                [1 - fresnel.dielectric(w[..., 2], eta, NUMPY)[0] for w in (self.wi, self.wo)], 0
-            )
-        return passed * lobe_shape(alpha, i, o, half_vector(i, o, NUMPY), NUMPY)
+        lobe = lobe_shape(alpha, i, o, half_vector(i, o, NUMPY), NUMPY)
+        for w in (self.wi, self.wo) if eta != 1 else ():
+            lobe = lobe * (1 - fresnel.dielectric(w[..., 2], eta, NUMPY)[0])
+        return lobe
 
     def error(self, f: np.ndarray, alpha: float, eta: float = 1.0) -> float:
         """Error of a lobe of equal energy at each angle, a mean over the angles of f (A, M)."""
@@ -99,7 +88,7 @@ def refracted(w: np.ndarray, eta: float) -> Components:
 def light(eta: float, coat: float, base: Any, nodes: Nodes) -> np.ndarray:
     """f (A, M, C) of the light that the base, a material, reflects through a clear coat."""
     columns = (np.float64(x) for x in (coat**2, eta, 1.0, 0.0, 0.0))
-    f = coated_f(base, CoatParameters(*columns), *nodes.flat())
+    f = coated_f(base, CoatParameters(*columns), *nodes.flat)
     return f.reshape(*nodes.weights.shape, -1).astype(np.float64)
 
 
@@ -108,8 +97,8 @@ RULES: dict[str, tuple[Callable[[float, float, float], float], bool]] = {
     "none": (lambda n, c, b: b, False),
     "OpenPBR 1.1": (lambda n, c, b: min(1.0, b**4 + 2 * c**4) ** 0.25, False),
     "OpenPBR 239": (lambda n, c, b: min(1.0, b**4 + (1 - 1 / n) * c**4) ** 0.25, False),
-    "fit": (lambda n, c, b: formulas().base_roughness(n, c, b), False),
-    "fit, refracted": (lambda n, c, b: formulas().base_roughness_inside(n, c, b), True),
+    "fit": (lambda n, c, b: FORMULAS.base_roughness(n, c, b), False),
+    "fit, refracted": (lambda n, c, b: FORMULAS.base_roughness_inside(n, c, b), True),
 }
 
 
@@ -123,22 +112,21 @@ def index(eta: float, _: Options) -> list[dict[str, Any]]:
         for coat in ROUGHNESS:
             row: dict[str, Any] = {"eta": eta, "coat": coat, "base": base}
             lit = light(eta, coat, material, straight)
-            bare = material.f(*straight.flat()).reshape(lit.shape)
+            bare = material.f(*straight.flat).reshape(lit.shape)
             for name, x in (("coated", lit), ("bare", bare)):
-                row[name] = rounded(np.einsum("amc,am->c", x, straight.weights), 5)
+                row[name] = np.einsum("amc,am->c", x, straight.weights)
             if base is not None:
                 grey = urushi.encode(urushi.conductor(base**2, BASES[1]))
                 f = light(eta, coat, grey, nodes)[..., 0]
-                errors = {}
+                row["errors"] = errors = {}
                 row["effective"], errors["best"] = nodes.best(f)
                 row["inside"], errors["best, refracted"] = nodes.best(f, eta)
                 for (name, own), part in zip(ends.items(), f[[0, -1]], strict=True):
                     row[name] = own.best(part[None])[0]
                 for name, (rule, within) in RULES.items():
                     alpha = max(rule(eta, coat, base), 0.06) ** 2
-                    errors[name] = round(nodes.error(f, alpha, eta if within else 1), 4)
-                row["errors"] = errors
-            rows.append({k: round(x, 4) if isinstance(x, float) else x for k, x in row.items()})
+                    errors[name] = nodes.error(f, alpha, eta if within else 1)
+            rows.append(row)
     return rows
 
 
@@ -148,11 +136,11 @@ def walk(options: Options) -> list[dict[str, float]]:
     for eta, coat, base in WALKED:
         bases = urushi.conductor(base**2, BASES[1]), urushi.diffuse(0.0)
         stack, black = (urushi.coat(x, coat**2, eta) for x in bases)
-        own = urushi.simulate(black, *nodes.flat(), walks=2, progress=False)[0]
+        own = urushi.simulate(black, *nodes.flat, walks=2, progress=False)[0]
         found = []
         for seed in range(SEEDS):
             walks = options.count(WALKS, 2)
-            f, _ = urushi.simulate(stack, *nodes.flat(), walks=walks, seed=seed, progress=False)
+            f, _ = urushi.simulate(stack, *nodes.flat, walks=walks, seed=seed, progress=False)
             found.append(nodes.best((f - own)[:, 0].reshape(nodes.weights.shape).astype(float))[0])
         mean, se = float(np.mean(found)), float(np.std(found, ddof=1) / SEEDS**0.5)
         rows.append({"eta": eta, "coat": coat, "base": base, "effective": mean, "se": se})
@@ -191,12 +179,12 @@ def darkened(found: Found, constants: np.ndarray | None = None) -> dict[str, np.
     rules = {
         "none": 0 * eta,
         "OpenPBR 1.1": smooth + (wide - smooth) * base,
-        "fit": formulas().internal_reflection(eta, base, wide, *given),
+        "fit": FORMULAS.internal_reflection(eta, base, wide, *given),
     }
     ratio = coated / bare
     made = {"transport": ratio[:, :-1] / ratio[:, -1:]}
     for name, k in rules.items():
-        delta = formulas().darkening(k[:, None], bare)
+        delta = FORMULAS.darkening(k[:, None], bare)
         made[name] = delta[:, :-1] / delta[:, -1:]
     return made
 
@@ -250,7 +238,7 @@ def plot(found: Found, _: Pictures) -> Any:
             x, y, low, high = columns(own, "coat", "effective", "normal", "oblique")
             bars = np.abs([y - low, high - y])
             axis.errorbar(x, y, bars, fmt="o", color=colour, markersize=4, capsize=2)
-            axis.plot(line, formulas().base_roughness(eta, line, base), color=colour)
+            axis.plot(line, FORMULAS.base_roughness(eta, line, base), color=colour)
             axis.plot(line, np.minimum(1, base**4 + 2 * line**4) ** 0.25, ":", color=colour)
         axis.set(title=f"index {eta:g}", xlabel="coat_roughness")
         axis.grid(alpha=0.3)
@@ -260,21 +248,24 @@ def plot(found: Found, _: Pictures) -> Any:
 
 def fit(found: Found) -> dict[str, np.ndarray]:
     """The constants of docs/coat_formulas.py by least squares of r, and of the darkening."""
-    rows, own = metals(found), formulas()
+    rows = metals(found)
     eta, coat, base, effective, inside = columns(rows, "eta", "coat", "base", "effective", "inside")
     ratio = darkened(found)["transport"]
-    residuals: dict[str, tuple[Callable[[np.ndarray], np.ndarray], list[float]]] = {
-        "outside": (
-            lambda x: own.base_roughness(eta, coat, base, *x) - effective,
-            [0.9, 0.55, 2.2, 1.6, 0.9],
-        ),
-        "inside": (
-            lambda x: own.base_roughness_inside(eta, coat, base, *x) - inside,
-            [1.3, 0.6, 3.5],
-        ),
-        "internal": (lambda x: (darkened(found, x)["fit"] / ratio - 1).ravel(), [1.5, 2]),
+
+    def outside(x: np.ndarray) -> np.ndarray:
+        return FORMULAS.base_roughness(eta, coat, base, *x) - effective
+
+    def within(x: np.ndarray) -> np.ndarray:
+        return FORMULAS.base_roughness_inside(eta, coat, base, *x) - inside
+
+    def internal(x: np.ndarray) -> np.ndarray:
+        return (darkened(found, x)["fit"] / ratio - 1).ravel()
+
+    return {
+        "outside": least_squares(outside, [0.9, 0.55, 2.2, 1.6, 0.9]).x,
+        "inside": least_squares(within, [1.3, 0.6, 3.5]).x,
+        "internal": least_squares(internal, [1.5, 2]).x,
     }
-    return {name: least_squares(f, start).x for name, (f, start) in residuals.items()}
 
 
 def main() -> None:
@@ -286,28 +277,33 @@ def main() -> None:
     rows = metals(stored["cases"])
     with (DOCS / "coat_roughness.csv").open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(HEAD)
+        writer.writerow(COLUMNS)
         writer.writerows(line(row) for row in rows)
 
 
-HEAD = (
-    *("coat_ior", "coat_roughness", "base_roughness"),
-    *("effective", "at 0 degrees", "at 60 degrees", "error of the lobe"),
-    *("effective, refracted", "error of the lobe, refracted", "internal reflection K"),
-)
+#: Columns of the table of all results, and what they show of a row.
+COLUMNS = {
+    "coat_ior": "eta",
+    "coat_roughness": "coat",
+    "base_roughness": "base",
+    "effective": "effective",
+    "at 0 degrees": "normal",
+    "at 60 degrees": "oblique",
+    "error of the lobe": "best",
+    "effective, refracted": "inside",
+    "error of the lobe, refracted": "best, refracted",
+    "internal reflection K": "K",
+}
 
 
 def line(row: dict[str, Any]) -> list[float]:
     """A row of the table of all results."""
-    errors = row["errors"]
-    numbers = [row[x] for x in ("eta", "coat", "base", "effective", "normal", "oblique")]
-    numbers += [errors["best"], row["inside"], errors["best, refracted"], internal(row)]
-    return [round(x, 4) for x in numbers]
+    values = row | row["errors"] | {"K": internal(row)}
+    return [round(values[x], 4) for x in COLUMNS.values()]
 
 
 EXPERIMENT = Experiment(
     cases=lambda _: {f"index {eta:g}": partial(index, eta) for eta in INDICES} | {"walk": walk},
-    measure=lambda case, options: case(options),
     tables=tables,
     plot=plot,
     pages=("docs/coat_roughness.md",),

@@ -89,4 +89,4 @@ def tables(found: Found) -> list[str]:
     return [table(["scene", "light", *columns], rows)]
 
 
-EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=7)
+EXPERIMENT = Experiment(cases, tables, measure, plot, models=NETWORKS, minutes=7)

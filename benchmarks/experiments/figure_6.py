@@ -11,7 +11,8 @@ import numpy as np
 from benchmarks import spheres
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
 from benchmarks.measures import error
-from benchmarks.showing import figure, mosaic, percent, rounded, table
+from benchmarks.showing import figure, mosaic, percent, table
+from gallery import stage
 
 import urushi
 from urushi.core import direction_sets
@@ -52,25 +53,19 @@ def measure(case: Any, options: Options) -> tuple[list[float], dict[str, np.ndar
     """E of the material and of one standard error of the walk, against the walk; the sphere."""
     coat, bottom = case
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS, lowest_cosine=0.02)
-    base, walks = urushi.conductor(alpha=bottom, r0=GOLD), options.count(WALKS, 64)
-    f, se = urushi.simulate(urushi.coat(base, **coat), wi, wo, walks=walks, seed=SEED)
-    top = urushi.dielectric(coat["alpha"], coat["eta"])
-    medium = {name: coat[name] for name in ("sigma_t", "albedo", "g")}
-    ours = urushi.layer(top, urushi.encode(base, options.weights), **medium).f(wi, wo)
-    e = [error(x, f, wi, wo) for x in (ours, f + se)]
+    stack = urushi.coat(urushi.conductor(alpha=bottom, r0=GOLD), **coat)
+    f, se = urushi.simulate(stack, wi, wo, walks=options.count(WALKS, 64), seed=SEED)
+    ours = urushi.encode(stack, options.weights).f(wi, wo)
     halves = [sphere(name, coat, bottom, options) for name in ("neural_layered", "layered")]
-    middle = SIZE // 2
-    joined = np.concatenate([halves[0][:, :middle], halves[1][:, middle:]], axis=1)
-    return rounded(e), {"sphere": joined}
+    joined = np.where(np.arange(SIZE)[:, None] < SIZE // 2, *halves)
+    return [error(x, f, wi, wo) for x in (ours, f + se)], {"sphere": joined}
 
 
 def sphere(plugin: str, coat: dict[str, float], bottom: float, options: Options) -> np.ndarray:
     """The picture of the sphere by a plugin."""
-    gold = {"type": "rgb", "value": list(GOLD)}
-    base = {"type": "roughconductor", "distribution": "ggx", "alpha": bottom, "material": "none"}
-    parameters = {name: value for name, value in coat.items() if name != "eta"}
-    bsdf = {"type": plugin, **parameters, "int_ior": coat["eta"], "ext_ior": 1.0}
-    bsdf |= {"bottom": base | {"specular_reflectance": gold}}
+    medium = {name: value for name, value in coat.items() if name != "eta"}
+    bsdf = {"type": plugin, **medium, "int_ior": coat["eta"], "ext_ior": 1.0}
+    bsdf["bottom"] = stage.conductor("none", bottom) | {"specular_reflectance": stage.rgb(*GOLD)}
     scene = spheres.scene(bsdf, SIZE)
     return np.array(mi.render(scene, spp=options.count(SAMPLES), seed=SEED))
 
@@ -105,4 +100,4 @@ def tables(found: Found) -> list[str]:
     return [table(["grid", "E [%]: mean", "largest", "of the walk"], rows)]
 
 
-EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=2)
+EXPERIMENT = Experiment(cases, tables, measure, plot, models=NETWORKS, minutes=2)

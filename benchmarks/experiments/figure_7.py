@@ -82,8 +82,7 @@ def measure(sphere: Sphere, options: Options) -> tuple[Found, dict[str, np.ndarr
         if name != "walk":
             endless = converged(sphere, plugin, options.count(ENDLESS, 32))
             bias = _error(endless.image, truth, endless.variance)
-        values = {"time": ratio, "samples": samples, "error": error, "bias": bias}
-        found[name] = {key: float(f"{value:.3g}") for key, value in values.items()}
+        found[name] = {"time": ratio, "samples": samples, "error": error, "bias": bias}
         images[name] = renders[0]
     return found, images
 
@@ -121,4 +120,4 @@ def tables(found: Found) -> list[str]:
     return [table(["material", *map(", ".join, columns)], rows)]
 
 
-EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=9)
+EXPERIMENT = Experiment(cases, tables, measure, plot, models=NETWORKS, minutes=9)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
 from benchmarks.measures import in_plane
-from benchmarks.showing import COLOURS, figure, rounded, table
+from benchmarks.showing import COLOURS, figure, table
 
 import urushi
 
@@ -24,17 +24,15 @@ def measure(interfaces: int, options: Options) -> Found:
     """f cos θo of gold under coats, by walk and codes; the green channel."""
     wo = in_plane(np.radians(OUTGOING))
     wi = np.repeat(in_plane([-np.radians(INCIDENT)]), len(wo), axis=0)
-    reference: Any = urushi.conductor(alpha=0.12, r0=GOLD)
-    material: Any = urushi.encode(reference, options.weights)
-    medium = {"albedo": 0.7, "sigma_t": 0.25, "g": 0.4}
+    stack: Any = urushi.conductor(alpha=0.12, r0=GOLD)
     for number in range(INTERFACES[0], interfaces + 1):
         # Interfaces become rougher towards the bottom.
         alpha, eta = 0.05 + 0.03 * (INTERFACES[-1] - number), 1.5 if number % 2 else 1.3
-        reference = urushi.coat(reference, alpha, eta, **medium)
-        material = urushi.layer(urushi.dielectric(alpha, eta), material, **medium)
-    f, se = urushi.simulate(reference, wi, wo, walks=options.count(WALKS, 64), seed=SEED)
-    values = {"walk": f, "se": se, "networks": replace(material, table=None).f(wi, wo)}
-    return {name: rounded(value[:, 1] * wo[:, 2]) for name, value in values.items()}
+        stack = urushi.coat(stack, alpha, eta, albedo=0.7, sigma_t=0.25, g=0.4)
+    f, se = urushi.simulate(stack, wi, wo, walks=options.count(WALKS, 64), seed=SEED)
+    codes = replace(urushi.encode(stack, options.weights), table=None)
+    values = {"walk": f, "se": se, "networks": codes.f(wi, wo)}
+    return {name: value[:, 1] * wo[:, 2] for name, value in values.items()}
 
 
 def plot(found: Found, _: Pictures) -> Any:

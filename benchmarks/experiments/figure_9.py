@@ -60,7 +60,7 @@ def measure(measured: Measured, options: Options) -> Any:
         values = {form: material.f(wi, wo) for form, material in ours.items()}
         # The mean size of a normal error is 0.8 of its deviation.
         for form, own in (values | {"noise": f + 0.8 * se}).items():
-            found[form][name] = float(f"{error(own, f, wi, wo):.3g}")
+            found[form][name] = error(own, f, wi, wo)
         if measured.name in SHOWN:
 
             def reference(wi: np.ndarray, wo: np.ndarray, coats: list = coats) -> np.ndarray:
@@ -122,4 +122,4 @@ def tables(found: Found) -> list[str]:
     return [table(["material: E [%]", *map(": ".join, columns)], body)]
 
 
-EXPERIMENT = Experiment(cases, measure, tables, plot, models=NETWORKS, minutes=7)
+EXPERIMENT = Experiment(cases, tables, measure, plot, models=NETWORKS, minutes=7)

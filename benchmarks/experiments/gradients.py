@@ -5,13 +5,15 @@ plugin itself and by the walk, and the error of the derivative against the walk,
 mean size of the slope.
 """
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from benchmarks.experiment import BOTH, Experiment, Found
-from benchmarks.showing import rounded, table
+from benchmarks.showing import table
+from gallery import stage
 
 import urushi  # noqa: F401  # registers the plugins
 from urushi.mitsuba.reading import probing
@@ -20,48 +22,29 @@ from urushi.mitsuba.reading import probing
 PAIRS, WALKS = 2048, 256
 
 
-def coated(bottom: dict, **coat) -> dict:
+def coated(bottom: dict, **coat: Any) -> dict:
     return {"type": "neural_layered", "alpha": 0.2, "bottom": bottom} | coat
 
 
 def grey(value: float) -> dict:
-    return {"type": "rgb", "value": [value] * 3}
+    return stage.rgb(value, value, value)
 
 
-def diffuse(value: float) -> dict:
-    return coated({"type": "diffuse", "reflectance": grey(value)})
+def diffuse(value: float, **coat: Any) -> dict:
+    return coated({"type": "diffuse", "reflectance": grey(value)}, **coat)
 
 
-def principled(value: float, **coat) -> dict:
+def principled(value: float, **coat: Any) -> dict:
     return coated({"type": "principled", "base_color": grey(value)}, **coat)
 
 
-def plastic(value: float) -> dict:
+def plastic(value: float, alpha: float = 0.1, **coat: Any) -> dict:
     bottom = {"type": "roughplastic", "distribution": "ggx", "diffuse_reflectance": grey(value)}
-    return coated(bottom, alpha=0.1)
-
-
-def on_plastic(name: str, value: float) -> dict:
-    return plastic(0.5) | {"alpha": 0.2, "sigma_t": 0.5, "albedo": 0.5} | {name: value}
-
-
-def two_coats(value: float) -> dict:
-    return coated(plastic(value), alpha=0.3)
-
-
-def upper_index(value: float) -> dict:
-    """Over another coat, whose relative index changes with it."""
-    below = coated({"type": "diffuse", "reflectance": grey(0.6)}, int_ior=1.7)
-    return coated(below, sigma_t=0.5, albedo=0.8, int_ior=value, ext_ior=1.0)
+    return coated(bottom, alpha=alpha, **coat)
 
 
 def gold(value: float) -> dict:
-    metal = {"type": "roughconductor", "material": "Au", "distribution": "ggx"}
-    return coated(metal | {"alpha": value}, alpha=0.1)
-
-
-def absent(value: float) -> dict:
-    return principled(value, alpha=0.02, int_ior=1.01, ext_ior=1.0)
+    return coated(stage.conductor("Au", value), alpha=0.1)
 
 
 def openpbr(value: float) -> dict:
@@ -69,9 +52,14 @@ def openpbr(value: float) -> dict:
     return {"type": "openpbr", "base_color": grey(value)} | off
 
 
-def medium(name: str, value: float) -> dict:
-    values = {"albedo": 0.0, "sigma_t": 5.0} | {name: value}
-    return coated({"type": "diffuse"}, alpha=0.3, **values)
+def upper_index(value: float) -> dict:
+    """Over another coat, whose relative index changes with it."""
+    below = diffuse(0.6, int_ior=1.7)
+    return coated(below, sigma_t=0.5, albedo=0.8, int_ior=value, ext_ior=1.0)
+
+
+def medium(albedo: float, sigma_t: float) -> dict:
+    return coated({"type": "diffuse"}, alpha=0.3, albedo=albedo, sigma_t=sigma_t)
 
 
 #: A function of a value, the value, the end of the parameter's name, and the steps from it at which
@@ -85,17 +73,29 @@ SLOPES = {
     "principled": (principled, 0.8, "base_color.value", (-0.05, 0.05)),
     "black principled": (principled, 0.0, "base_color.value", (0, 0.01, 0.02)),
     "plastic": (plastic, 0.5, "diffuse_reflectance.value", (-0.05, 0.05)),
-    "absent coat": (absent, 0.5, "base_color.value", (-0.02, 0.02)),
+    "absent coat": (
+        partial(principled, alpha=0.02, int_ior=1.01, ext_ior=1.0),
+        *(0.5, "base_color.value", (-0.02, 0.02)),
+    ),
     "sharp gold": (gold, 0.01, "bottom.alpha.value", (0, 0.002)),
     "rough gold": (gold, 1.0, "bottom.alpha.value", (-0.05, -0.025, 0)),
     "openpbr": (openpbr, 0.5, "base_color.value", (-0.05, 0.05)),
     "bright openpbr": (openpbr, 0.8, "base_color.value", (-0.05, 0.05)),
-    "alpha on plastic": (lambda x: on_plastic("alpha", x), 0.2, "alpha.value", (-0.02, 0.02)),
-    "depth on plastic": (lambda x: on_plastic("sigma_t", x), 0.5, "sigma_t.value", (-0.05, 0.05)),
-    "two coats on plastic": (two_coats, 0.5, "diffuse_reflectance.value", (-0.05, 0.05)),
+    "alpha on plastic": (
+        lambda x: plastic(0.5, x, sigma_t=0.5, albedo=0.5),
+        *(0.2, "alpha.value", (-0.02, 0.02)),
+    ),
+    "depth on plastic": (
+        lambda x: plastic(0.5, 0.2, sigma_t=x, albedo=0.5),
+        *(0.5, "sigma_t.value", (-0.05, 0.05)),
+    ),
+    "two coats on plastic": (
+        lambda x: coated(plastic(x), alpha=0.3),
+        *(0.5, "diffuse_reflectance.value", (-0.05, 0.05)),
+    ),
     "two indices": (upper_index, 1.4, "eta", (-0.05, 0.05)),
-    "white medium": (lambda x: medium("albedo", x), 1.0, "albedo.value", (-0.002, -0.001, 0)),
-    "no medium": (lambda x: medium("sigma_t", x), 0.0, "sigma_t.value", (0, 0.01, 0.02)),
+    "white medium": (lambda x: medium(x, 5.0), 1.0, "albedo.value", (-0.002, -0.001, 0)),
+    "no medium": (lambda x: medium(0.0, x), 0.0, "sigma_t.value", (0, 0.01, 0.02)),
 }
 
 
@@ -112,16 +112,6 @@ def f_cos(bsdf: "mi.BSDF", walks: int = 1) -> "mi.Float":
     si = probing.interaction(wi.astype(np.float32), np.full((len(wi), 2), 0.5), time)
     wo = mi.Vector3f(np.ascontiguousarray(wo.T, np.float32))
     return bsdf.eval(mi.BSDFContext(), si, wo).x
-
-
-def attached(description: dict, name: str) -> tuple["mi.BSDF", Any]:
-    """A BSDF and one of its parameters, which carries a gradient."""
-    bsdf = mi.load_dict(description)
-    parameters = mi.traverse(bsdf)
-    key = next(key for key in parameters.keys() if key.endswith(name))  # noqa: SIM118
-    dr.enable_grad(parameters[key])
-    parameters.update()
-    return bsdf, parameters[key]
 
 
 class Slopes(NamedTuple):
@@ -144,21 +134,22 @@ def slopes(case: str) -> Slopes:
     make, value, name, steps = SLOPES[case]
     powers = np.vander(steps, increasing=True)
     weights = np.linalg.solve(powers.T, np.eye(len(steps))[1])  # the polynomial's slope at zero
-    bsdf, parameter = attached(make(value), name)
-    found, plain = f_cos(bsdf), f_cos(mi.load_dict(make(value)))
-    away = float(np.abs(found.numpy() - plain.numpy()).mean() / plain.numpy().mean())
+    bsdf = mi.load_dict(make(value))
+    plain, parameters = f_cos(bsdf).numpy(), mi.traverse(bsdf)
+    (key, *_) = (key for key in parameters.keys() if key.endswith(name))  # noqa: SIM118
+    dr.enable_grad(parameters[key])
+    parameters.update()
+    found = f_cos(bsdf)
+    away = float(np.abs(found.numpy() - plain).mean() / plain.mean())
     dr.backward(dr.mean(found))
     walk = {"reference": True} if make is openpbr else {"type": "layered"}
     of_plugin, of_walk = (
-        sum(
-            weight * f_cos(mi.load_dict(make(value + step) | other), walks).numpy()
-            for weight, step in zip(weights, steps, strict=True)
-        )
+        weights @ [f_cos(mi.load_dict(make(value + step) | other), walks).numpy() for step in steps]
         for other, walks in (({}, 1), (walk, WALKS))
     )
     of_walk = of_walk.reshape(WALKS, PAIRS)
     return Slopes(
-        float(np.sum(dr.grad(parameter).numpy()[:1])),
+        float(np.sum(dr.grad(parameters[key]).numpy()[:1])),
         float(of_plugin.mean()),
         float(of_walk.mean()),
         float(np.abs(of_walk.mean(axis=0)).mean()),
@@ -183,7 +174,7 @@ def tables(found: Found) -> list[str]:
 
 EXPERIMENT = Experiment(
     cases=lambda _: {case: case for case in SLOPES},
-    measure=lambda case, _: rounded(slopes(case)),
+    measure=lambda case, _: slopes(case),
     tables=tables,
     pages=("docs/gradients.md",),
     models=BOTH,

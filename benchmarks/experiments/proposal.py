@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.evaluation import benchmark, predict
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
 from benchmarks.measures import in_plane
-from benchmarks.showing import COLOURS, figure, rounded, table
+from benchmarks.showing import COLOURS, figure, table
 from fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from tqdm import tqdm
 
@@ -103,9 +103,9 @@ def measure_variation(options: Options) -> Found:
     """By proposal: quantiles of the variation at `SHARES`, medians by angle, the largest weight."""
     return {
         name: {
-            "quantiles": rounded(np.quantile(cv, SHARES)),
-            "by angle": rounded(np.quantile(cv, (0.5, 0.95), axis=0)),
-            "largest": float(f"{weight.max():.3g}"),
+            "quantiles": np.quantile(cv, SHARES),
+            "by angle": np.quantile(cv, (0.5, 0.95), axis=0),
+            "largest": weight.max(),
         }
         for name, (cv, weight) in variations(options.model, options.count(MATERIALS)).items()
     }

@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options
 from benchmarks.measures import channel_errors, coat_errors
 from benchmarks.referee import materials, methods
-from benchmarks.showing import rounded, table
+from benchmarks.showing import table
 
 import urushi
 from urushi.files import atomic_write
@@ -49,25 +49,20 @@ def measure(name: str, options: Options) -> dict[str, Any]:
     if name == TRUTH:
         own = (truth(x, walks) for x in chosen)
         e = [channel_errors(f + np.sqrt(2 / np.pi) * se, f, wi, wo) for f, se in own]
-        return {"E": {x: rounded(v.mean(), 3) for x, v in zip(chosen, e, strict=True)}}
+        return {"E": {x: v.mean() for x, v in zip(chosen, e, strict=True)}}
     method = methods.METHODS[name]
     try:
         stacks = {x: materials.STACKS[x] for x in chosen}
         own_walks = options.count(OWN_WALKS, 2)
-        values = methods.evaluated(method, stacks, own_walks, wi, wo)
+        values = methods.evaluated(method, stacks, own_walks)
         white = methods.furnace(method, own_walks)
         price = methods.price(method)
     except (subprocess.CalledProcessError, OSError) as error:
         return {"missing": str(error)}
     errors, albedos = {}, {}
     for x, f in values.items():
-        errors[x], albedos[x] = rounded(coat_errors(f, truth(x, walks)[0], wi, wo))
-    return {
-        "E": errors,
-        "albedo": albedos,
-        "furnace": {x: rounded(row) for x, row in white.items()},
-        "price": None if price is None else rounded(1e9 * price, 3),
-    }
+        errors[x], albedos[x] = coat_errors(f, truth(x, walks)[0], wi, wo)
+    return {"E": errors, "albedo": albedos, "furnace": white, "price": price}
 
 
 def tables(found: Found) -> list[str]:
@@ -86,14 +81,11 @@ def tables(found: Found) -> list[str]:
         shares = [f"{100 * x:.1f}" for x in parts]
         others = ["–"] * 4
         if "furnace" in own:
-            white = np.array(list(own["furnace"].values()))
-            limits = [f"{x:.2f}" for x in (white.min(), white.max())] if len(white) else others[:2]
-            price = "–" if own["price"] is None else f"{own['price']:.0f}"
-            others = [
-                f"{100 * np.mean(np.abs(list(own['albedo'].values()))):.1f}",
-                *limits,
-                price,
-            ]
+            others[0] = f"{100 * np.mean(np.abs(list(own['albedo'].values()))):.1f}"
+            if white := [x for row in own["furnace"].values() for x in row]:
+                others[1:3] = f"{min(white):.2f}", f"{max(white):.2f}"
+            if own["price"] is not None:
+                others[3] = f"{own['price']:.0f}"
         lines.append([name, f"{len(e)}", *shares, *others])
         cells = []
         for family, members in materials.MATERIALS.items():

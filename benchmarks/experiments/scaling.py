@@ -4,14 +4,14 @@ Rates are from the first to the last result, without the start of processes. A t
 computes nothing and hands back as many bytes as a shard.
 """
 
-import functools
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 from benchmarks.experiment import Experiment, Found, Options
-from benchmarks.showing import rounded, table
+from benchmarks.showing import table
 
 from urushi.train import workers
 from urushi.train.tables import TableSpec, make_shard
@@ -34,22 +34,14 @@ def rate(make: Callable[[int], Any], tasks: int, cluster: str | None, processes:
     return sum(1 for _ in found) / (time.perf_counter() - begin)
 
 
-@functools.cache
-def shard_bytes() -> int:
-    """Bytes of the first shard."""
-    return sum(x.nbytes for x in make_shard(SPEC, 0).values())
-
-
 def measured(case: tuple[str | None, int], options: Options) -> dict[str, float]:
-    shards, size = SPEC.shards(), shard_bytes()
+    size = sum(x.nbytes for x in make_shard(SPEC, 0).values())
+    shards = rate(partial(make_shard, SPEC), options.count(SPEC.shards(), 3), *case)
+    empty = rate(partial(nothing, size), options.count(EMPTY, 9), *case)
     return {
-        "shards a second": rounded(
-            rate(functools.partial(make_shard, SPEC), options.count(shards, 3), *case), 3
-        ),
-        "overhead [ms a shard]": rounded(
-            1e3 / rate(functools.partial(nothing, size), options.count(EMPTY, 9), *case), 2
-        ),
-        "bytes of a shard [MB]": rounded(size / 2**20, 2),
+        "shards a second": shards,
+        "overhead [ms a shard]": 1e3 / empty,
+        "bytes of a shard [MB]": size / 2**20,
     }
 
 
@@ -60,8 +52,8 @@ def cases(_: Options) -> dict[str, tuple[str | None, int]]:
 
 def tables(found: Found) -> list[str]:
     names = list(next(iter(found.values())))
-    rows = [[f"`{name}`", *(f"{case[x]:g}" for x in names)] for name, case in found.items()]
+    rows = [[f"`{name}`", *(f"{case[x]:.3g}" for x in names)] for name, case in found.items()]
     return [table(["computed by", *names], rows)]
 
 
-EXPERIMENT = Experiment(cases, measured, tables, pages=("docs/scaling.md",), minutes=6)
+EXPERIMENT = Experiment(cases, tables, measured, pages=("docs/scaling.md",), minutes=6)

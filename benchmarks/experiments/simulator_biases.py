@@ -13,12 +13,12 @@ from unittest import mock
 
 import drjit as dr
 import numpy as np
-from benchmarks import brdf_errors
+from benchmarks import measures
 from benchmarks.evaluation import benchmark, samples
 from benchmarks.evaluation.samples import GROUPS
 from benchmarks.experiment import Experiment, Found, Options, Pictures
 from benchmarks.measures import in_plane
-from benchmarks.showing import figure, interval, rounded, table
+from benchmarks.showing import figure, interval, table
 
 import urushi
 from urushi.core.error_metrics import energy_weight
@@ -91,50 +91,40 @@ SEED = 11
 STACKS = tuple(group for group in GROUPS if group.name == "two, table2")
 
 
-def cases(options: Options) -> dict[str, Callable[[], Found]]:
-    walks = options.count(WALKS, 1 << 10)
-    return {
-        "furnace_alpha": partial(furnace, walks),
-        "interior": partial(interior, walks),
-        "table2": partial(table2, options.count(PAIR_WALKS, 64)),
-    }
-
-
 def mirror(alpha: float, coat: float, depth: float) -> Any:
     """A mirror under a coat of a medium that absorbs nothing."""
     return urushi.coat(urushi.conductor(alpha, r0=1), coat, ETA, albedo=1, sigma_t=depth)
 
 
-def furnace(walks: int) -> Found:
+def furnace(options: Options) -> Found:
     """Directional albedo of clear coats over equally rough mirrors."""
-    return albedos([mirror(alpha, alpha, 0) for alpha in ALPHAS], walks)
+    return albedos([mirror(alpha, alpha, 0) for alpha in ALPHAS], options)
 
 
-def interior(walks: int) -> Found:
+def interior(options: Options) -> Found:
     """Directional albedo of rough mirrors below a coat without absorption; `top` is its surface's.
 
     One list for each of `DEPTHS`.
     """
-    found: Found = {}
-    for depth in DEPTHS:
-        stacks = [mirror(alpha, COAT_ALPHA, depth) for alpha in ALPHAS]
-        found[f"depth {depth:g}"] = albedos(stacks, walks)
+    found: Found = {
+        f"depth {depth:g}": albedos([mirror(alpha, COAT_ALPHA, depth) for alpha in ALPHAS], options)
+        for depth in DEPTHS
+    }
     black = urushi.coat(urushi.diffuse(0), COAT_ALPHA, ETA, albedo=0, sigma_t=0)
-    found["top"] = float(albedo(black, WI, walks=walks, seed=SEED)[0][0, 0])
-    return found
+    return found | {"top": albedos([black], options)["right"]["albedo"][0]}
 
 
-def albedos(stacks: Sequence[Any], walks: int) -> Found:
+def albedos(stacks: Sequence[Any], options: Options) -> Found:
     """Albedo of every stack, by the walk's name; standard errors are about 0.1 %."""
-    found = {}
+    found, walks = {}, options.count(WALKS, 1 << 10)
     for name, variant in VARIANTS.items():
         with variant():
             values = [albedo(stack, WI, walks=walks, seed=SEED)[0][0, 0] for stack in stacks]
-        found[name] = {"albedo": rounded(values, 5)}
+        found[name] = {"albedo": values}
     return found
 
 
-def table2(walks: int) -> Found:
+def table2(options: Options) -> Found:
     """How far each fault would move the values of Table 2 stacks; by the fault's name.
 
     E is the error of the faulty value, `energy` the relative change of sum f cos cos, both over the
@@ -143,21 +133,18 @@ def table2(walks: int) -> Found:
     """
     (stored,) = benchmark.read(groups=STACKS).values()
     part = slice(None), slice(None, samples.E_PAIRS)
-    wi, wo = stored.wi[part], stored.wo[part]
-    values = {}
+    wi, wo, values = stored.wi[part], stored.wo[part], {}
     for name, variant in VARIANTS.items():
         with variant():
+            walks = options.count(PAIR_WALKS, 64)
             values[name], _ = samples.walk_all(stored.table, wi, wo, walks, SEED)
     reference = values.pop("right")
-    error = partial(brdf_errors.stack_error, cos_i=wi[..., 2], cos_o=wo[..., 2])
+    error = partial(measures.stack_error, cos_i=wi[..., 2], cos_o=wo[..., 2])
     weight = energy_weight(wi[..., 2], wo[..., 2])
-    found: Found = {"noise": rounded(error(reference, stored.f[part]))}
+    found: Found = {"noise": error(reference, stored.f[part])}
     for name, f in values.items():
         change = (weight * (f - reference)).sum(1) / (weight * reference).sum(1)
-        found[name] = {
-            "E": rounded(error(f, reference)),
-            "energy": rounded(change),
-        }
+        found[name] = {"E": error(f, reference), "energy": change}
     return found
 
 
@@ -166,61 +153,39 @@ FAULTS = {"reverse density": "#d55e00", "dropped connection": "#0072b2"}
 
 
 def plot(found: Found, _: Pictures) -> Any:
-    """Furnaces, interior light, and errors of stacks."""
+    """White furnaces, the change of the light that was below a coat, and sorted E of stacks."""
     picture = figure(12, 3.6)
-    axes = picture.subplots(1, 3)
-    draw_furnace(axes[0], found["furnace_alpha"])
-    draw_interior(axes[1], found["interior"])
-    draw_table2(axes[2], found["table2"])
-    for axis in axes:
-        axis.grid(alpha=0.3)
-    return picture
-
-
-def draw_furnace(axis, found) -> None:
-    """Albedo of stacks without absorption; light is lost to single scattering alone."""
-    axis.axhline(1, color="#999999", linewidth=0.8)
+    axes = white, inside, stacks = picture.subplots(1, 3)
+    white.axhline(1, color="#999999", linewidth=0.8)
     for name, colour in {"right": "#000000", **FAULTS}.items():
         # Standard errors are smaller than the markers.
-        width = 4 if name == "right" else 1.2
-        values = found[name]["albedo"]
-        axis.plot(ALPHAS, values, "o-", color=colour, linewidth=width, markersize=3, label=name)
-    axis.set(xscale="log", xlabel="alpha of both surfaces")
-    axis.set_ylabel(f"integral of f cos θo, θi = {INCIDENT:g}°")
-    axis.set_title(f"white furnace, clear coat of eta {ETA:g} over a mirror", fontsize=10)
-    axis.legend(fontsize=8)
-
-
-def draw_interior(axis, found) -> None:
-    """Relative change of the light that was below the coat, over the bottom's width."""
+        look = {"color": colour, "linewidth": 4 if name == "right" else 1.2, "markersize": 3}
+        white.plot(ALPHAS, found["furnace_alpha"][name]["albedo"], "o-", **look, label=name)
+    white.set(xscale="log", xlabel="alpha of both surfaces")
+    white.set_ylabel(f"integral of f cos θo, θi = {INCIDENT:g}°")
+    white.set_title(f"white furnace, clear coat of eta {ETA:g} over a mirror", fontsize=10)
     for depth, line in zip(DEPTHS, ("-", "--"), strict=True):
-        part = found[f"depth {depth:g}"]
+        part, medium = found["interior"][f"depth {depth:g}"], f"depth {depth:g}"
         for name, colour in FAULTS.items():
-            change = 100 * interior_change(part, found["top"], name)
-            medium = f"depth {depth:g}" if depth else "no medium"
-            axis.plot(ALPHAS, change, line, color=colour, label=f"{name}, {medium}")
-    axis.set(xscale="log", xlabel="alpha of the mirror", ylabel="change of interior light [%]")
-    axis.set_title(f"mirror under a coat of alpha {COAT_ALPHA:g}", fontsize=10)
-    axis.legend(fontsize=8)
-
-
-def interior_change(part, top: float, name: str) -> np.ndarray:
-    """Relative change of the albedo without `top`, the reflection of the coat's surface."""
-    right, faulty = (np.array(part[walk]["albedo"]) for walk in ("right", name))
-    return (faulty - right) / (right - top)
-
-
-def draw_table2(axis, found) -> None:
-    """E of the faulty values, sorted, on a logarithmic axis."""
+            right, faulty = (np.array(part[walk]["albedo"]) for walk in ("right", name))
+            change = 100 * (faulty - right) / (right - found["interior"]["top"])
+            label = f"{name}, {medium if depth else 'no medium'}"
+            inside.plot(ALPHAS, change, line, color=colour, label=label)
+    inside.set(xscale="log", xlabel="alpha of the mirror", ylabel="change of interior light [%]")
+    inside.set_title(f"mirror under a coat of alpha {COAT_ALPHA:g}", fontsize=10)
+    table_2 = found["table2"]
     for name, colour in FAULTS.items():
-        errors = 100 * np.sort(found[name]["E"])
+        errors = 100 * np.sort(table_2[name]["E"])
         share = 100 * (np.arange(len(errors)) + 0.5) / len(errors)
-        axis.plot(np.maximum(errors, 1e-3), share, color=colour, label=name)
-    noise = 100 * np.mean(found["noise"])
-    axis.axvline(noise, color="#999999", linestyle=":", label="right walk against stored values")
-    axis.set(xscale="log", xlabel="E [%], at least 0.001", ylabel="stacks with a smaller E [%]")
-    axis.set_title(f"{len(found['noise'])} stacks of Table 2", fontsize=10)
-    axis.legend(fontsize=8, loc="upper left")
+        stacks.plot(np.maximum(errors, 1e-3), share, color=colour, label=name)
+    noise, label = 100 * np.mean(table_2["noise"]), "right walk against stored values"
+    stacks.axvline(noise, color="#999999", linestyle=":", label=label)
+    stacks.set(xscale="log", xlabel="E [%], at least 0.001", ylabel="stacks with a smaller E [%]")
+    stacks.set_title(f"{len(table_2['noise'])} stacks of Table 2", fontsize=10)
+    for axis, place in zip(axes, ("best", "best", "upper left"), strict=True):
+        axis.legend(fontsize=8, loc=place)
+        axis.grid(alpha=0.3)
+    return picture
 
 
 def tables(found: Found) -> list[str]:
@@ -231,21 +196,14 @@ def tables(found: Found) -> list[str]:
         errors = 100 * np.array(found["table2"][name]["E"])
         energy = 100 * np.mean(found["table2"][name]["energy"])
         low, high = interval(errors)
-        rows.append(
-            [
-                name,
-                f"{errors.mean():.2g} % ({low:.2g} to {high:.2g})",
-                f"{np.median(errors):.2g} %",
-                f"{errors.max():.2g} %",
-                f"{energy:+.2g} %",
-            ]
-        )
+        mean = f"{errors.mean():.2g} % ({low:.2g} to {high:.2g})"
+        others = f"{np.median(errors):.2g} %", f"{errors.max():.2g} %", f"{energy:+.2g} %"
+        rows.append([name, mean, *others])
     return [table(head, rows)]
 
 
 EXPERIMENT = Experiment(
-    cases=cases,
-    measure=lambda case, _: case(),
+    cases=lambda _: {"furnace_alpha": furnace, "interior": interior, "table2": table2},
     tables=tables,
     plot=plot,
     pages=("docs/simulator_biases.md",),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from benchmarks.experiment import Experiment, Found, Options, Pictures
 from benchmarks.measures import in_plane
-from benchmarks.showing import COLOURS, figure, rounded, table
+from benchmarks.showing import COLOURS, figure, table
 
 import urushi
 from urushi.material.slab_table import slab_tables
@@ -43,9 +43,9 @@ def measure(slab: tuple[float, ...], options: Options) -> Found:
     interfaces = np.array([[alpha, eta], [alpha, 1 / eta]])
     by_tables = slab_tables(interfaces, np.reshape(medium, (1, 3, 1)))
     return {
-        "walk": rounded([share[:, 0] for share, _ in walked]),
-        "se": rounded([se[:, 0] for _, se in walked]),
-        "tables": rounded(np.array(by_tables.shares(wi))[..., 0]),
+        "walk": [share[:, 0] for share, _ in walked],
+        "se": [se[:, 0] for _, se in walked],
+        "tables": np.array(by_tables.shares(wi))[..., 0],
     }
 
 

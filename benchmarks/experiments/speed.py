@@ -250,7 +250,6 @@ def tables(found: Found) -> list[str]:
 
 EXPERIMENT = Experiment(
     cases=cases,
-    measure=lambda case, options: case(options),
     tables=tables,
     models=NETWORKS,
     minutes=15,

@@ -13,10 +13,9 @@ from typing import Any
 
 import jax
 import numpy as np
-from benchmarks import brdf_errors, sphere, timing
+from benchmarks import measures, sphere, timing
 from benchmarks.experiment import NETWORKS, PARTS, Experiment, Found, Options, Pictures
-from benchmarks.measures import error as e_of
-from benchmarks.pairs import half_angle_pairs
+from benchmarks.measures import half_angle_pairs
 from benchmarks.pictures import compare
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
 from benchmarks.rivals.perceptron import size, training_pairs
@@ -126,9 +125,9 @@ def measure(subject: Subject | None, options: Options) -> Found:
 def error(name: str, f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> float:
     """E (mean over channels that are not black), the median of P, or L1 [1/sr]."""
     if name == "E":
-        return e_of(f_hat, f, wi, wo)
+        return measures.error(f_hat, f, wi, wo)
     if name == "P":
-        return float(np.median(brdf_errors.pair_error(f_hat, f)))
+        return float(np.median(measures.pair_error(f_hat, f)))
     return float(np.abs(f_hat - f).mean())
 
 

@@ -95,10 +95,10 @@ def equal_time(view: View) -> dict[str, float]:
     names = WALK, PRINCIPLED, *plugins.values()
     methods, reference = at_equal_time(view, names, SAMPLES, SECONDS)
     walk, cheap, own = (methods[name] for name in (WALK, PRINCIPLED, plugins[known.NETWORKS]))
-    found = {"exact": gain(walk, own, 0.0, cheap.second)}
-    for name, plugin in plugins.items():
-        found[name] = gain(walk, methods[plugin], methods[plugin].bias(reference))
-    return {name: float(f"{factor:.3g}") for name, factor in found.items()}
+    return {"exact": gain(walk, own, 0.0, cheap.second)} | {
+        name: gain(walk, methods[plugin], methods[plugin].bias(reference))
+        for name, plugin in plugins.items()
+    }
 
 
 def plot(found: Found, _: Pictures) -> Any:

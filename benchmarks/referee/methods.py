@@ -19,8 +19,9 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import timing
 from benchmarks.experiments import simulator_biases
-from benchmarks.measures import Brdf, bsdf_values
+from benchmarks.measures import bsdf_values
 from benchmarks.referee import materials
+from gallery.stage import rgb
 from research.rivals import belcour, openpbr_recipe, plugins, weidlich
 
 import urushi
@@ -41,55 +42,50 @@ class Method(NamedTuple):
     """A method.
 
     Attributes:
-        build: (stack, walks) -> f of the stack; walks: of a pair, for random walks.
+        f: (stack, walks, wi, wo) -> (N, C) [1/sr]; walks: of a pair, for random walks.
         timed: the BSDF of Mitsuba whose evaluation is timed, for `mi.load_dict`; None: there is
             none.
-        batch: in place of `build`, all stacks at once: (stacks, wi, wo) -> f (N, 3) by name, and
-            albedos (C, 3) at `materials.COSINES`.
+        albedos: stack -> (3, C) at `materials.COSINES`; None: those of f.
     """
 
-    build: Callable[[Stack, int], Brdf]
+    f: Callable[..., np.ndarray]
     timed: Callable[[], dict[str, Any]] | None = None
-    batch: Callable[..., tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] | None = None
+    albedos: Callable[[Stack], np.ndarray] | None = None
 
 
-def evaluated(
-    method: Method, stacks: Mapping[str, Stack], walks: int, wi: np.ndarray, wo: np.ndarray
-) -> dict[str, np.ndarray]:
-    """f (N, 3) of the stacks that a method describes, by name."""
-    if method.batch is not None:
-        return method.batch(stacks, wi, wo)[0]
-    return {name: f(wi, wo) for name, f in built(method, stacks, walks).items()}
+def evaluated(method: Method, stacks: Mapping[str, Stack], walks: int) -> dict[str, np.ndarray]:
+    """f (N, C) at `materials.pairs` of the stacks that a method describes, by name."""
+    return _described(lambda stack: method.f(stack, walks, *materials.pairs()), stacks)
 
 
-def built(method: Method, stacks: Mapping[str, Stack], walks: int) -> dict[str, Brdf]:
-    """f of the stacks that a method describes, by name."""
+def furnace(method: Method, walks: int) -> dict[str, np.ndarray]:
+    """Directional albedos of white coated materials at `materials.COSINES`, by name."""
+
+    def albedos(stack: Stack) -> np.ndarray:
+        if method.albedos is not None:
+            return method.albedos(stack).mean(-1)
+        return directional_albedos(partial(method.f, stack, walks), materials.lit()).mean(-1)
+
+    return _described(albedos, materials.WHITE)
+
+
+def _described(function: Callable[[Stack], Any], stacks: Mapping[Any, Stack]) -> dict[Any, Any]:
+    """A function of the stacks for which it raises no ParameterError."""
     found = {}
     for name, stack in stacks.items():
         with contextlib.suppress(ParameterError):
-            found[name] = method.build(stack, walks)
+            found[name] = function(stack)
     return found
 
 
-def furnace(method: Method, walks: int) -> dict[str, list[float]]:
-    """Directional albedos of white coated materials at `materials.COSINES`, by name."""
-    if method.batch is not None:
-        found = method.batch(materials.WHITE, *materials.pairs())[1]
-        return {name: x.mean(1).tolist() for name, x in found.items()}
-    return {
-        name: directional_albedos(f, materials.lit()).mean(-1).tolist()
-        for name, f in built(method, materials.WHITE, walks).items()
-    }
-
-
 def price(method: Method) -> float | None:
-    """CPU time of an evaluation of f in RGB in a kernel [s]."""
+    """CPU time of an evaluation of f in RGB in a kernel [ns]."""
     if method.timed is None:
         return None
     wi, wo = (np.resize(w, (EVALUATIONS, 3)) for w in materials.pairs())
     wo = np.random.default_rng(0).permutation(wo)
     recorded = timing.evaluation(mi.load_dict(method.timed()), wi, wo)
-    return timing.least({"f": partial(timing.kernel, recorded)}, TURNS)["f"] / EVALUATIONS
+    return 1e9 * timing.least({"f": partial(timing.kernel, recorded)}, TURNS)["f"] / EVALUATIONS
 
 
 # Mappings of a stack
@@ -112,14 +108,10 @@ def one_coat(stack: Stack) -> tuple[Any, Any, np.ndarray]:
     return stack.coats[0], stack.bottom, colour
 
 
-def rgb(values: np.ndarray) -> dict[str, Any]:
-    return {"type": "rgb", "value": np.asarray(values, float).tolist()}
-
-
 def principled(stack: Stack) -> dict[str, Any]:
     """Mitsuba's `principled`: a clear coat over a metal; of paint, its own dielectric surface."""
     coat, bottom, colour = one_coat(stack)
-    surface = {"type": "principled", "base_color": rgb(colour)}
+    surface = {"type": "principled", "base_color": rgb(*colour)}
     if isinstance(bottom, Diffuse):
         return surface | {"eta": float(coat.eta), "roughness": coat.alpha**0.5}
     gloss = float(np.clip((0.1 - coat.alpha) / 0.099, 0, 1))
@@ -134,7 +126,7 @@ def roughplastic(stack: Stack) -> dict[str, Any]:
         raise ParameterError("roughplastic has a diffuse base; give urushi.diffuse")
     surface = {"type": "roughplastic", "distribution": "ggx", "alpha": coat.alpha}
     indices = {"int_ior": float(coat.eta), "ext_ior": 1.0, "nonlinear": True}
-    return surface | indices | {"diffuse_reflectance": rgb(colour)}
+    return surface | indices | {"diffuse_reflectance": rgb(*colour)}
 
 
 def pbrt(stack: Stack) -> Stack:
@@ -173,10 +165,10 @@ def cycles(stack: Stack) -> dict[str, Any]:
 def of_bsdf(describe: Callable[[Stack], dict[str, Any]], timed: Stack = TIMED) -> Method:
     """A BSDF of Mitsuba."""
 
-    def build(stack: Stack, _: int) -> Brdf:
-        return partial(bsdf_values, mi.load_dict(describe(stack)))
+    def f(stack: Stack, _: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return bsdf_values(mi.load_dict(describe(stack)), wi, wo)
 
-    return Method(build, partial(describe, timed))
+    return Method(f, partial(describe, timed))
 
 
 def over_metal(plugin: str) -> dict[str, Any]:
@@ -188,47 +180,35 @@ def over_metal(plugin: str) -> dict[str, Any]:
     return {"type": plugin, "alpha": coat.alpha, **indices, "bottom": metal}
 
 
-def of_rival(module: Any, plugin: str) -> Method:
-    """A model of `research.rivals`, and the plugin by which it is timed."""
-    return Method(lambda stack, _: partial(module.f, stack), partial(over_metal, plugin))
-
-
-def of_walk(mapped: Callable[[Stack], Stack], fault: Any, plugin: str | None = None) -> Method:
+def walked(
+    mapped: Callable[[Stack], Stack],
+    fault: Callable[[], contextlib.AbstractContextManager],
+    stack: Stack,
+    walks: int,
+    wi: np.ndarray,
+    wo: np.ndarray,
+) -> np.ndarray:
     """The walk of a mapped stack, with one of the faults of `simulator_biases`."""
-
-    def build(stack: Stack, walks: int) -> Brdf:
-        own = mapped(stack)
-
-        def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-            count = max(2, walks * len(materials.pairs()[0]) // len(wi))
-            with fault():
-                return urushi.simulate(own, wi, wo, walks=count, seed=7, progress=False)[0]
-
-        return f
-
-    return Method(build, plugin and partial(over_metal, plugin))
+    count = max(2, walks * len(materials.pairs()[0]) // len(wi))
+    with fault():
+        return urushi.simulate(mapped(stack), wi, wo, walks=count, seed=7, progress=False)[0]
 
 
 #: Urushi's material of a stack, by light transport.
 encoded = cache(urushi.encode)
 
 
-def codes(stack: Stack, _: int) -> Brdf:
-    """Urushi's codes, without the tables beside them."""
-    return replace(encoded(stack), table=None, beside_lobe=False).f
+def codes(stack: Stack, _: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """f of Urushi's codes, without the tables beside them."""
+    return replace(encoded(stack), table=None, beside_lobe=False).f(wi, wo)
 
 
 def of_recipe(recipe: openpbr_recipe.Recipe) -> Method:
     """One of OpenPBR's closed forms."""
-
-    def build(stack: Stack, _: int) -> Brdf:
-        given = openpbr_parameters(stack)
-        return lambda wi, wo: openpbr_recipe.f(given, wi, wo, recipe)
-
-    return Method(build)
+    return Method(lambda s, _, wi, wo: openpbr_recipe.f(openpbr_parameters(s), wi, wo, recipe))
 
 
-def program(stack: Stack, _: int) -> Brdf:
+def program(stack: Stack, _: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """f by the program of OpenPBR that `PROGRAM` names.
 
     Its arguments are name=number or name=red,green,blue. It reads pairs wi, wo as six numbers of
@@ -238,51 +218,59 @@ def program(stack: Stack, _: int) -> Brdf:
         raise FileNotFoundError(f"{PROGRAM} names no program")
     given = openpbr_parameters(stack)
     texts = [f"{k}={','.join(f'{x:.7g}' for x in np.atleast_1d(v))}" for k, v in given.items()]
-
-    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        data = np.concatenate([wi, wo], axis=1).astype("<f4").tobytes()
-        done = subprocess.run([path, *texts], input=data, capture_output=True, check=True)
-        return np.frombuffer(done.stdout, "<f4").reshape(-1, 3)
-
-    return f
+    data = np.concatenate([wi, wo], axis=1).astype("<f4").tobytes()
+    done = subprocess.run([path, *texts], input=data, capture_output=True, check=True)
+    return np.frombuffer(done.stdout, "<f4").reshape(-1, 3)
 
 
-def in_blender(
-    stacks: Mapping[str, Stack], wi: np.ndarray, wo: np.ndarray
-) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """f and albedos of Cycles' Principled BSDF, by pictures of tiles (`cycles_tiles`)."""
+@cache
+def in_blender(stacks: tuple[Stack, ...]) -> dict[Stack, np.ndarray]:
+    """f and albedos (N + 3, 3) of Cycles' Principled BSDF, by pictures of tiles (`cycles_tiles`).
+
+    The rows are those of `materials.pairs`, then of `materials.COSINES`.
+    """
     if not (python := os.environ.get(BPY)):
         raise FileNotFoundError(f"{BPY} names no Python with Blender's module bpy")
-    mapped = {}
-    for name, stack in stacks.items():
-        with contextlib.suppress(ParameterError):
-            mapped[name] = cycles(stack)
+    mapped, (wi, wo) = _described(cycles, {stack: stack for stack in stacks}), materials.pairs()
+    given = json.dumps({str(i): sockets for i, sockets in enumerate(mapped.values())})
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "pairs.npz", Path(folder) / "f.npy"
         sun = np.repeat(np.arange(materials.ANGLES), materials.EACH)
-        np.savez(source, wi=wi, wo=wo, sun=sun, lit=materials.lit(), materials=json.dumps(mapped))
+        np.savez(source, wi=wi, wo=wo, sun=sun, lit=materials.lit(), materials=given)
         script = Path(__file__).with_name("cycles_tiles.py")
         own = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
         subprocess.run([python, script, source, target], env=own, capture_output=True, check=True)
-        f = np.load(target)
-    rows = dict(zip(mapped, f, strict=True))
-    return {k: x[: len(wi)] for k, x in rows.items()}, {k: x[len(wi) :] for k, x in rows.items()}
+        return dict(zip(mapped, np.load(target), strict=True))
+
+
+def in_cycles(rows: slice, stack: Stack, *_: Any) -> np.ndarray:
+    """Some of the rows of `in_blender`."""
+    cycles(stack)  # refuses what it cannot describe
+    return in_blender((*materials.STACKS.values(), *materials.WHITE.values()))[stack][rows]
 
 
 METHODS: dict[str, Method] = {
-    "walk, 128 walks": of_walk(lambda stack: stack, contextlib.nullcontext, "layered"),
+    "walk, 128 walks": Method(
+        partial(walked, lambda stack: stack, contextlib.nullcontext), partial(over_metal, "layered")
+    ),
     "Urushi, tables": Method(
-        lambda stack, _: encoded(stack).f, partial(over_metal, "neural_layered")
+        lambda stack, _, *pair: encoded(stack).f(*pair), partial(over_metal, "neural_layered")
     ),
     "Urushi, codes": Method(codes),
     "Urushi, `openpbr`": of_bsdf(lambda s: openpbr(**openpbr_parameters(s)).description()),
-    "Belcour 2018": of_rival(belcour, "layered_belcour"),
-    "Weidlich and Wilkie 2007": of_rival(weidlich, "layered_weidlich"),
-    "pbrt-v4, coated materials": of_walk(pbrt, simulator_biases.reverse_density),
+    "Belcour 2018": Method(
+        lambda stack, _, *pair: belcour.f(stack, *pair), partial(over_metal, "layered_belcour")
+    ),
+    "Weidlich and Wilkie 2007": Method(
+        lambda stack, _, *pair: weidlich.f(stack, *pair), partial(over_metal, "layered_weidlich")
+    ),
+    "pbrt-v4, coated materials": Method(partial(walked, pbrt, simulator_biases.reverse_density)),
     "adobe/openpbr-bsdf": Method(program),
     "MaterialX 1.39, OpenPBR's graph": of_recipe("materialx"),
     "OpenPBR 1.1.1, the text": of_recipe("specification"),
-    "Cycles' Principled": Method(lambda *_: None, None, in_blender),
+    "Cycles' Principled": Method(
+        partial(in_cycles, slice(-3)), albedos=partial(in_cycles, slice(-3, None))
+    ),
     "Mitsuba's `principled`": of_bsdf(principled),
     "Mitsuba's `roughplastic`": of_bsdf(roughplastic, PAINT),
 }

@@ -66,8 +66,8 @@ def evaluations(paper: str) -> dict[str, float]:
     both = timing.least(walks, EVALUATION_TURNS)
     least[known.BOTH_WAYS] = both[known.BOTH_WAYS] / both[known.WALK] * least[known.WALK]
     least[known.PAPER] = _evaluated_by_paper(paper, wi, wo)
-    found = {name: float(f"{t / least[PRINCIPLED]:.3g}") for name, t in least.items()}
-    return found | {"nanoseconds": round(1e9 * least[PRINCIPLED] / EVALUATIONS, 2)}
+    found = {name: t / least[PRINCIPLED] for name, t in least.items()}
+    return found | {"nanoseconds": 1e9 * least[PRINCIPLED] / EVALUATIONS}
 
 
 def _evaluated_by_paper(weights: str, wi: np.ndarray, wo: np.ndarray) -> float:
@@ -96,7 +96,7 @@ def renders(paper: str) -> dict[str, dict[str, float]]:
         }
         times = {name: seconds for name, (seconds, _) in spheres.renders(scenes, SAMPLES).items()}
         times[known.PAPER] = _rendered_by_paper(paper, textures)
-        found[kind] = {name: round(t / times[PRINCIPLED], 3) for name, t in times.items()}
+        found[kind] = {name: t / times[PRINCIPLED] for name, t in times.items()}
     return found
 
 
@@ -155,4 +155,4 @@ def new_materials(paper: PaperNetworks) -> dict[str, float]:
     least = timing.least({known.NETWORKS: own}, OPERATIONS)
     fresh = PaperNetworks(paper.arch, paper.params, {})  # it has kept no codes
     least[known.PAPER] = timing.seconds(partial(make, fan2022, fresh))
-    return {name: float(f"{t:.3g}") for name, t in least.items()}
+    return least

@@ -7,13 +7,12 @@ from typing import Any
 
 import fan2022
 import numpy as np
-from benchmarks import brdf_errors
-from benchmarks.evaluation import benchmark_set, samples
+from benchmarks import measures
+from benchmarks.evaluation import benchmark, samples
 from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group
 from benchmarks.measured import coated, materials
 from benchmarks.measures import error, in_plane
-from benchmarks.showing import rounded
 from benchmarks.verdict import fits
 from benchmarks.verdict import methods as known
 from benchmarks.verdict.methods import Values
@@ -47,13 +46,13 @@ MEASURED_WALKS, MEASURED_TABLE_WALKS = 1 << 13, 64
 def isotropic(interfaces: int, paper: PaperNetworks) -> dict[str, Any]:
     """E of each method by stack, its E to the exchange of directions, and CPU seconds of a fit."""
     group = Group(f"verdict, {interfaces} interfaces", Table2(interfaces - 1), STACKS)
-    held_out = benchmark_set.simulate(group, SEED, only_e=True)
+    held_out = benchmark.simulate(group, SEED, only_e=True)
     table, wi, wo = held_out.table, held_out.wi, held_out.wo
     methods = {name: (f, STACKS, 0.0) for name, f in known.of_stacks(held_out, paper).items()}
     tables = known.tabulated(table, FITTED)
     methods |= {name: _fits(name, tables) for name in fits.FITTED}
     own = samples.stack_errors(held_out.f + held_out.se, held_out)
-    found: dict[str, Any] = {"reference": rounded(own)}
+    found: dict[str, Any] = {"reference": own}
     for name, (of, stacks, seconds) in methods.items():
         part = slice(stacks)
         f = of(wi[part], wo[part])
@@ -64,9 +63,9 @@ def isotropic(interfaces: int, paper: PaperNetworks) -> dict[str, Any]:
             difference = np.abs(of(wo[part], wi[part]) - f)
             exchange = float((difference * weight).sum() / (f * weight).sum())
         found[name] = {
-            "E": rounded(brdf_errors.stack_error(f, truth, *cosines)),
-            "exchange": float(f"{exchange:.3g}"),
-            "seconds": float(f"{seconds:.3g}"),
+            "E": measures.stack_error(f, truth, *cosines),
+            "exchange": exchange,
+            "seconds": seconds,
         }
     return found
 
@@ -100,7 +99,7 @@ def measured(archive: Path, paper: PaperNetworks) -> dict[str, Any]:
                 known.PAPER: coated(projected, coat, fan2022.layer),
             }
             for method, e in _over_measured(urushi.coat(surface, **coat), layered).items():
-                found.setdefault(method, []).append(float(f"{e:.4g}"))
+                found.setdefault(method, []).append(e)
     return found
 
 
@@ -142,7 +141,7 @@ def laws(paper: PaperNetworks) -> dict[str, float]:
             made[known.WALK], _ = walked_albedo(urushi.coat(bottom, alpha, 1.5), wi, seed=SEED)
             for name, albedo in made.items():
                 found[name] = max(found.get(name, 0.0), float(albedo[:, 0].max()))
-    return {name: float(f"{albedo:.4g}") for name, albedo in found.items()}
+    return found
 
 
 def _white(alpha: float, bottom: Any, paper: PaperNetworks) -> dict[str, fits.Brdf]:

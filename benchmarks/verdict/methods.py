@@ -5,9 +5,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from benchmarks.evaluation import benchmark_set, predict
 from benchmarks.evaluation import fan2022 as evaluation
-from benchmarks.evaluation.samples import Samples, by_row, evaluate_bottoms
+from benchmarks.evaluation import predict
+from benchmarks.evaluation.samples import Samples, by_row, evaluate_bottoms, part
 from benchmarks.verdict import fits
 from fan2022 import PaperNetworks
 from research import bidirectional
@@ -65,7 +65,7 @@ def tabulated(table: StackTable, stacks: int) -> list[fits.Brdf]:
     if table.coats:
         values = _by_row(partial(_mean, walk_pairs, table, TABLE_WALKS), wi, wo)
     else:
-        values = evaluate_bottoms(benchmark_set.first(table, stacks), wi, wo)
+        values = evaluate_bottoms(part(table, slice(stacks)), wi, wo)
     return [fits.tabulated(own[:, None]) for own in values]
 
 

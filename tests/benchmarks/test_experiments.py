@@ -80,17 +80,13 @@ def test_finished_cases_are_read_and_whole_runs_are_stored(counting, tmp_path):
 
 @pytest.mark.parametrize(
     ("known", "chosen", "reason"),
-    [
-        ({}, [], "give --files"),
-        ({"first": 1}, ["--cases", "third"], "none of third; choose from first"),
-    ],
+    [({}, (), "give --files"), ({"first": 1}, ("third",), "none of third; choose from first")],
 )
 def test_without_cases_a_run_says_why_alone(monkeypatch, capsys, known, chosen, reason):
     """It neither measures nor shows a table."""
     one = Experiment(cases=lambda options: known, measure=None, tables=None)
     monkeypatch.setattr(experiment, "load", lambda name: one)
-    monkeypatch.setattr("sys.argv", ["", "proposal", "--share", "0.5", *chosen])
-    main()
+    main(("proposal",), options=Options(share=0.5), cases=chosen)
     (line,) = capsys.readouterr().out.splitlines()
     assert line.startswith("proposal has no cases: ") and reason in line
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.pairs import half_angle_pairs
+from benchmarks.measures import half_angle_pairs
 from benchmarks.rivals import rainer
 from benchmarks.rivals.perceptron import size
 

@@ -44,16 +44,16 @@ def test_a_program_reads_parameters_and_pairs(tmp_path, monkeypatch):
     monkeypatch.delenv(methods.PROGRAM, raising=False)
     stack, (wi, wo) = materials.STACKS["car paint, solid red"], materials.pairs()
     with pytest.raises(FileNotFoundError):
-        methods.program(stack, 1)(wi, wo)
+        methods.program(stack, 1, wi, wo)
     assert "missing" in referee.measure("adobe/openpbr-bsdf", experiment.Options(share=0.03))
     program = tmp_path / "program"
     program.write_text(PROGRAM.format(python=sys.executable))
     program.chmod(program.stat().st_mode | stat.S_IXUSR)
     monkeypatch.setenv(methods.PROGRAM, str(program))
     expected = wo[:, 2:] * np.float32([0.6, 0.03, 0.03])
-    np.testing.assert_allclose(methods.program(stack, 1)(wi, wo), expected, rtol=1e-5)
+    np.testing.assert_allclose(methods.program(stack, 1, wi, wo), expected, rtol=1e-5)
     with pytest.raises(ParameterError):  # the pearl has two coats
-        methods.program(materials.STACKS["car paint, pearl"], 1)(wi, wo)
+        methods.program(materials.STACKS["car paint, pearl"], 1, wi, wo)
 
 
 def test_a_paint_is_the_same_by_tables_and_by_roughplastic(rgb):
@@ -61,7 +61,7 @@ def test_a_paint_is_the_same_by_tables_and_by_roughplastic(rgb):
     stack = materials.STACKS["car paint, solid red"]
     wi, wo = materials.pairs()
     named = ("Urushi, tables", "Mitsuba's `roughplastic`")
-    first, second = (methods.METHODS[name].build(stack, 1)(wi, wo) for name in named)
+    first, second = (methods.METHODS[name].f(stack, 1, wi, wo) for name in named)
     assert channel_errors(first, second, wi, wo).max() < 0.02
 
 
@@ -86,7 +86,7 @@ def test_reference_values_agree_with_the_walk():
 
 
 def test_formulas_of_coats_have_their_limits():
-    own, r = coat_roughness.formulas(), np.linspace(0.1, 1, 7)
+    own, r = coat_roughness.FORMULAS, np.linspace(0.1, 1, 7)
     for rule in (own.base_roughness, own.base_roughness_inside):
         np.testing.assert_allclose(rule(1.0, 0.7, r), r)  # a coat of index 1 does nothing
         assert (np.diff(rule(1.5, 0.4, r)) > 0).all() and (np.diff(rule(1.5, r, 0.2)) > 0).all()
@@ -99,12 +99,12 @@ def test_the_table_of_coats_is_that_of_the_results_and_the_formulas_fit_it():
     stored = experiment.stored("coat_roughness")
     with (coat_roughness.DOCS / "coat_roughness.csv").open() as file:
         head, *rows = csv.reader(file)
-    assert tuple(head) == coat_roughness.HEAD
+    assert head == list(coat_roughness.COLUMNS)
     expected = [coat_roughness.line(row) for row in coat_roughness.metals(stored["cases"])]
     numbers = np.array(rows, float)
     np.testing.assert_allclose(numbers, expected)
     eta, coat, base = numbers[:, :3].T
-    own = coat_roughness.formulas()
+    own = coat_roughness.FORMULAS
     rules = {"outside": own.base_roughness, "inside": own.base_roughness_inside}
     # The fits' stated errors: 0.02 and 0.03 rms.
     for name, column, limit in (("outside", 3, 0.021), ("inside", 7, 0.03)):
@@ -118,8 +118,7 @@ def test_the_table_of_coats_is_that_of_the_results_and_the_formulas_fit_it():
 @pytest.mark.skipif(not os.environ.get(methods.BPY), reason="BPY_PYTHON names no Python with bpy")
 def test_tiles_of_cycles_show_the_brdf():
     """A Lambertian surface under a coat of index 1 and a tint of 1 is itself."""
-    wi, wo = materials.pairs()
-    stacks = {str(i): urushi.coat(urushi.diffuse((0.5, 0.4, 0.3)), 0.1, 1.0) for i in range(4)}
-    f, white = methods.in_blender(stacks, wi, wo)
-    np.testing.assert_allclose(f["2"] * np.pi, np.tile((0.5, 0.4, 0.3), (len(wi), 1)), atol=1e-3)
-    np.testing.assert_allclose(white["2"], np.tile((0.5, 0.4, 0.3), (3, 1)), atol=1e-3)
+    stack = urushi.coat(urushi.diffuse((0.5, 0.4, 0.3)), 0.1, 1.0)
+    f, white = np.split(methods.in_blender((stack,))[stack], [-3])
+    np.testing.assert_allclose(f * np.pi, np.tile((0.5, 0.4, 0.3), (len(f), 1)), atol=1e-3)
+    np.testing.assert_allclose(white, np.tile((0.5, 0.4, 0.3), (3, 1)), atol=1e-3)

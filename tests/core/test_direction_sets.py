@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks import pairs
+from benchmarks import measures
 from scipy import stats
 
 from urushi.core import direction_sets
@@ -12,7 +12,7 @@ N = 20_000
 
 
 def draw(name, seed=0, n=N):
-    kind = direction_sets if name == "cosine" else pairs
+    kind = direction_sets if name == "cosine" else measures
     return getattr(kind, f"{name}_pairs")(np.random.default_rng(seed), n)
 
 
@@ -45,7 +45,7 @@ def test_directions_of_cosine_pairs_have_cosine_density_and_are_independent():
 def test_half_angles_are_log_uniform_where_no_pair_is_rejected():
     wi, wo = draw("half_angle")
     tangent = half_tangent(wi, wo)
-    low, high = pairs.HALF_ANGLE_RANGE
+    low, high = measures.HALF_ANGLE_RANGE
     assert tangent.min() > 0.99 * low
     assert tangent.max() < 1.01 * high
     # Below 2 degrees only difference angles within 2 degrees of grazing are rejected: the density

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks import brdf_errors
+from benchmarks import measures
 
 from urushi.core import error_metrics as metrics
 from urushi.errors import ParameterError
@@ -10,12 +10,12 @@ from urushi.errors import ParameterError
 
 def test_errors_of_brdfs_by_hand():
     # Weights 0.5 * 1, 1 * 1: (1 * 0.5 + 1 * 1) / (2 * 0.5 + 4 * 1) = 1.5 / 5.
-    error = brdf_errors.stack_error([3.0, 3.0], [2.0, 4.0], [0.5, 1.0], [1.0, 1.0])
+    error = measures.stack_error([3.0, 3.0], [2.0, 4.0], [0.5, 1.0], [1.0, 1.0])
     assert error == pytest.approx(0.3, rel=1e-12)
     # Both cosines at 0.02 give the weight 4e-4 to the first pair, below the horizon or not.
-    error = brdf_errors.stack_error([2.0, 1.0], [1.0, 1.0], [1e-6, 1.0], [-1.0, 1.0])
+    error = measures.stack_error([2.0, 1.0], [1.0, 1.0], [1e-6, 1.0], [-1.0, 1.0])
     assert error == pytest.approx(4e-4 / (1 + 4e-4), rel=1e-12)
-    errors = brdf_errors.pair_error([0.003, 2.0, 0.0], [0.001, 1.999, 0.0])
+    errors = measures.pair_error([0.003, 2.0, 0.0], [0.001, 1.999, 0.0])
     np.testing.assert_allclose(errors, [1.0, 0.0005, 0.0], rtol=1e-9)
 
 
@@ -50,9 +50,9 @@ def test_srgb_is_that_of_the_norm_and_clipped():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: brdf_errors.pair_error([1.0, 2.0], [1.0, 2.0, 3.0]), "shapes do not fit together"),
-        (lambda: brdf_errors.pair_error([np.inf], [1.0]), "f_hat holds NaN"),
-        (lambda: brdf_errors.stack_error([0.0], [0.0], [1.0], [1.0]), "reflects no energy"),
+        (lambda: measures.pair_error([1.0, 2.0], [1.0, 2.0, 3.0]), "shapes do not fit together"),
+        (lambda: measures.pair_error([np.inf], [1.0]), "f_hat holds NaN"),
+        (lambda: measures.stack_error([0.0], [0.0], [1.0], [1.0]), "reflects no energy"),
         (lambda: metrics.mse([np.nan], [1.0]), "image holds NaN"),
     ],
 )

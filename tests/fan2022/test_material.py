@@ -3,7 +3,7 @@
 import fan2022
 import numpy as np
 import pytest
-from benchmarks.evaluation import benchmark_set
+from benchmarks.evaluation import benchmark
 from benchmarks.evaluation import fan2022 as evaluation
 from benchmarks.evaluation.samples import Group
 from fan2022 import Material, PaperNetworks, layer, networks
@@ -51,7 +51,7 @@ def test_errors_are_measured_over_stacks_of_indices_above_one(paper, monkeypatch
         return Group(name, Extended(coats, "dielectric", indices), 2)
 
     groups = group("common", "common"), group("low", "low")
-    sets = {g.name: benchmark_set.simulate(g) for g in groups}
+    sets = {g.name: benchmark.simulate(g) for g in groups}
     monkeypatch.setattr(evaluation, "GROUPS", groups)
     rows = tuple(evaluation.ROWS[0].__class__(g.name, (g.name,)) for g in groups)
     monkeypatch.setattr(evaluation, "ROWS", rows)

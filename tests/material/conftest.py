@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.brdf_errors import stack_error
+from benchmarks.measures import stack_error
 from tests.untrained import untrained
 
 import urushi

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.brdf_errors import stack_error
+from benchmarks.measures import stack_error
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.nets import lobe as lobes

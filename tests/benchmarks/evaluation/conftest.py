@@ -1,7 +1,7 @@
 """Groups of a few stacks, their reference at a coarse aim, and untrained models."""
 
 import pytest
-from benchmarks.evaluation import benchmark_set
+from benchmarks.evaluation import benchmark
 from benchmarks.evaluation.distributions import Table2
 from benchmarks.evaluation.samples import Group, Samples
 from tests.untrained import untrained
@@ -20,10 +20,10 @@ def groups() -> tuple[Group, ...]:
 def sets(groups) -> dict[str, Samples]:
     """The groups' sets, at three times the noise of the stored ones, more in the albedo."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(benchmark_set, "E_ERROR", 0.009)
-        patch.setattr(benchmark_set, "P_ERROR", 0.009)
-        patch.setattr(benchmark_set, "ALBEDO_ERROR", 0.02)
-        return {group.name: benchmark_set.simulate(group) for group in groups}
+        patch.setattr(benchmark, "E_ERROR", 0.009)
+        patch.setattr(benchmark, "P_ERROR", 0.009)
+        patch.setattr(benchmark, "ALBEDO_ERROR", 0.02)
+        return {group.name: benchmark.simulate(group) for group in groups}
 
 
 @pytest.fixture(scope="session")

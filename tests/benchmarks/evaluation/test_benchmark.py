@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.evaluation import benchmark, benchmark_set
+from benchmarks.evaluation import benchmark
 from benchmarks.evaluation import samples as sampling
 from benchmarks.evaluation.samples import GROUPS
 
@@ -14,7 +14,7 @@ def stored():
 
 def test_write_and_read(sets, groups, tmp_path):
     path = tmp_path / "set.safetensors"
-    benchmark_set.write(path, sets, groups)
+    benchmark.write(path, sets, groups)
     again = benchmark.read(path, groups)
     for group in groups:
         ours, theirs = again[group.name], sets[group.name]
@@ -48,7 +48,7 @@ def test_the_current_simulator_agrees_with_the_stored_set(stored, name):
     missed by most runs, so that the bounds are wide.
     """
     ours = stored[name]
-    part = benchmark_set.first(ours.table, 2)
+    part = sampling.part(ours.table, slice(2))
     f, se = sampling.walk_all(part, ours.wi[:2], ours.wo[:2], 2048, seed=17)
     # Besides noise, single precision: the stored lobe in a mirror direction at a cosine of 4e-4 is
     # 1e-4 of its value too bright.

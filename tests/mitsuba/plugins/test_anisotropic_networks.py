@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.brdf_errors import stack_error
+from benchmarks.measures import stack_error
 from tests.mitsuba.probes import f, strip, update, vector
 
 import urushi

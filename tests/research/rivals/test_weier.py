@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks import brdf_errors
+from benchmarks import measures
 from research.rivals import belcour, weier
 
 from urushi.core.direction_sets import cosine_pairs
@@ -42,7 +42,7 @@ def test_lacquered_hairlines_are_near_the_walk() -> None:
     walked = simulate(hairlines, wi, wo, walks=4096, seed=1)[0][:, 0]
 
     def error(f) -> float:
-        return float(brdf_errors.stack_error(f[:, 0], walked, wi[:, 2], wo[:, 2]))
+        return float(measures.stack_error(f[:, 0], walked, wi[:, 2], wo[:, 2]))
 
     isotropic = coat(conductor(float(np.sqrt(0.06 * 0.3)), r0=0.9), 0.05, 1.5)
     found = error(weier.f(hairlines, wi, wo))
