@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmarks.measures import Brdf
 from benchmarks.rivals import nbrdf
 
 import urushi
@@ -42,19 +43,13 @@ class Measured:
         return Merl(table.reshape(*SHAPE, 3))
 
 
-@dataclass(frozen=True)
-class Reciprocal:
-    """A BRDF averaged over the exchange of wi and wo.
+def reciprocal(source: Any) -> Brdf:
+    """f of a source, averaged over the exchange of wi and wo.
 
     RGL files are only as reciprocal as their measurement; most methods are exactly reciprocal, and
     an error that none of them can avoid would hide their differences.
     """
-
-    source: Any
-
-    def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """(N, 3) [1/sr] of unit vectors (N, 3)."""
-        return 0.5 * (self.source.f(wi, wo) + self.source.f(wo, wi))
+    return lambda wi, wo: 0.5 * (source.f(wi, wo) + source.f(wo, wi))
 
 
 def materials(paths: Sequence[Path]) -> list[Measured]:

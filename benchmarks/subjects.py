@@ -1,15 +1,15 @@
 """BRDFs to represent: coloured stacks and conductors of Table 2, and measured materials."""
 
-import hashlib
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from benchmarks.evaluation import samples
 from benchmarks.evaluation.distributions import Table2
 from benchmarks.experiment import Options
-from benchmarks.measured import Reciprocal, materials
+from benchmarks.measured import materials, reciprocal
+from benchmarks.measures import Brdf
 from benchmarks.rivals.perceptron import training_pairs
 
 import urushi
@@ -25,48 +25,19 @@ BUDGET = 1 << 20
 
 
 @dataclass(frozen=True)
-class Walked:
-    """A coloured stack whose values are simulated; values at the same pairs are kept.
-
-    Attributes:
-        table: three rows, one for each channel.
-        seed: of the walks.
-    """
-
-    table: StackTable
-    seed: int
-    kept: dict[bytes, np.ndarray] = field(default_factory=dict, repr=False)
-
-    def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """Values (N, 3) [1/sr] by `BUDGET` walks of each channel."""
-        key = hashlib.sha256(np.ascontiguousarray([wi, wo]).tobytes()).digest()
-        if key not in self.kept:
-            walks = max(2, BUDGET // len(wi))
-            self.kept[key] = self.simulated(wi, wo, walks, self.seed)[0]
-        return self.kept[key]
-
-    def simulated(
-        self, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Values and their standard errors, (N, 3) each."""
-        row = np.tile(np.arange(3, dtype=np.uint32), len(wi))
-        wi, wo = np.repeat(wi, 3, axis=0), np.repeat(wo, 3, axis=0)
-        f, se = walk_pairs(self.table, row, wi, wo, walks=walks, seed=seed)
-        return f.reshape(-1, 3), se.reshape(-1, 3)
-
-
-@dataclass(frozen=True)
 class Subject:
-    """A BRDF to represent.
+    """A BRDF to represent, as a function alone, so that no method knows its parameters.
 
     Attributes:
         name, group: its name, and one of `COUNTS`.
-        source: has a method f(wi, wo) -> (N, 3) [1/sr].
+        f: (wi, wo) -> (N, 3) [1/sr].
+        simulated: of a stack, `walked` of its table; None: f has no noise.
     """
 
     name: str
     group: str
-    source: Any
+    f: Brdf
+    simulated: Callable[..., tuple[np.ndarray, np.ndarray]] | None = None
 
 
 def subjects(options: Options) -> Iterator[Subject]:
@@ -75,28 +46,32 @@ def subjects(options: Options) -> Iterator[Subject]:
     table = coloured(Table2(1), rng, COUNTS[STACKS])
     for i in range(COUNTS[STACKS]):
         own = samples.part(table, slice(3 * i, 3 * i + 3))
-        yield Subject(f"stack_{i}", STACKS, Walked(own, SEED + i))
+        yield Subject(f"stack_{i}", STACKS, partial(spent, own, SEED + i), partial(walked, own))
     for i in range(COUNTS[CONDUCTORS]):
         alpha = rng.uniform(0.216, 1) ** 3
         conductor = urushi.conductor(alpha=alpha, r0=rng.uniform(0, 1, 3))
-        yield Subject(f"conductor_{i}", CONDUCTORS, Surface(conductor))
+        yield Subject(f"conductor_{i}", CONDUCTORS, partial(analytic.f, conductor))
     files = materials(options.data())
     for group, kind in ((MERL, "stand-in"), (RGL, "RGL")):
         members = [measured for measured in files if measured.kind == kind]
         places = np.linspace(0, len(members) - 1, COUNTS[group]).astype(int) if members else ()
         for place in places:
-            yield Subject(members[place].name, group, Reciprocal(members[place].load()))
+            yield Subject(members[place].name, group, reciprocal(members[place].load()))
 
 
-@dataclass(frozen=True)
-class Surface:
-    """A described surface as a function alone, so that no method knows its parameters."""
+def walked(
+    table: StackTable, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Values and their standard errors, (N, 3) each, of a table of one row for each channel."""
+    row = np.tile(np.arange(3, dtype=np.uint32), len(wi))
+    wi, wo = np.repeat(wi, 3, axis=0), np.repeat(wo, 3, axis=0)
+    f, se = walk_pairs(table, row, wi, wo, walks=walks, seed=seed)
+    return f.reshape(-1, 3), se.reshape(-1, 3)
 
-    description: Any
 
-    def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        """Values (N, 3) [1/sr]."""
-        return analytic.f(self.description, wi, wo)
+def spent(table: StackTable, seed: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """Values (N, 3) by `BUDGET` walks of each channel."""
+    return walked(table, wi, wo, max(2, BUDGET // len(wi)), seed)[0]
 
 
 def coloured(distribution: Table2 | Extended, rng: np.random.Generator, count: int) -> StackTable:
@@ -105,9 +80,7 @@ def coloured(distribution: Table2 | Extended, rng: np.random.Generator, count: i
     shared = np.repeat(np.arange(count) * 3, 3)
     columns = {name: getattr(table, name) for name in ("albedo", "sigma_t", "g")}
     columns |= {name: getattr(table, name)[shared] for name in ("alpha", "eta")}
-    bottom = {
-        name: values[shared] if "alpha" in name else values for name, values in table.bottom.items()
-    }
+    bottom = {k: x[shared] if "alpha" in k else x for k, x in table.bottom.items()}
     return StackTable(**columns, kind=table.kind, bottom=bottom)
 
 
@@ -119,25 +92,16 @@ def training_set(
     One half is drawn by Table 2 and simulated, the other half are surfaces of a diffuse and two
     glossy lobes, as Urushi's own training has them; M = 2 `materials`.
     """
-    rng = np.random.default_rng(seed)
-    wi, wo = directions(rng, 2 * materials, pairs)
+    rng, count = np.random.default_rng(seed), 2 * materials * pairs
+    wi, wo = (w[:count].reshape(-1, pairs, 3) for w in training_pairs(rng, 3 * count))
     values = []
     for half, distribution in enumerate((Table2(1), Extended(0, "mixture"))):
         table = coloured(distribution, rng, materials)
         at = slice(half * materials, (half + 1) * materials)
-        own_wi, own_wo = (np.repeat(w[at], 3, axis=0) for w in (wi, wo))
+        own = [np.repeat(w[at], 3, axis=0) for w in (wi, wo)]
         if table.coats:
-            found = samples.walk_all(table, own_wi, own_wo, walks, seed)[0]
+            found = samples.walk_all(table, *own, walks, seed)[0]
         else:
-            found = samples.evaluate_bottoms(table, own_wi, own_wo)
+            found = samples.evaluate_bottoms(table, *own)
         values.append(found.reshape(materials, 3, pairs).transpose(0, 2, 1))
     return wi, wo, np.concatenate(values)
-
-
-def directions(
-    rng: np.random.Generator, materials: int, pairs: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs (materials, pairs, 3) of the rivals' trainings, all above the horizon."""
-    count = materials * pairs
-    wi, wo = training_pairs(rng, 3 * count)
-    return wi[:count].reshape(-1, pairs, 3), wo[:count].reshape(-1, pairs, 3)

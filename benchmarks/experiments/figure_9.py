@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from benchmarks import sphere
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
-from benchmarks.measured import Measured, Reciprocal, coated, materials
+from benchmarks.measured import Measured, coated, materials, reciprocal
 from benchmarks.measures import error
 from benchmarks.showing import grid, percent, table
 
@@ -73,7 +73,7 @@ def measure(measured: Measured, options: Options) -> Any:
 def walked(surface: Any, coats: list, wi: np.ndarray, wo: np.ndarray, walks: int) -> Any:
     """f (N, 3) of the surface under coats, and its standard error."""
     if not coats:
-        return Reciprocal(surface).f(wi, wo), np.float64(0)
+        return reciprocal(surface)(wi, wo), np.float64(0)
     stack: Any = surface
     for coat in coats:
         stack = urushi.coat(stack, **coat)

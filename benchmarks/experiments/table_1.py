@@ -20,7 +20,7 @@ from benchmarks.pictures import compare
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
 from benchmarks.rivals.perceptron import size, training_pairs
 from benchmarks.showing import figure, interval, table
-from benchmarks.subjects import SEED, Subject, Walked, subjects, training_set
+from benchmarks.subjects import SEED, Subject, subjects, training_set
 from fan2022 import architecture as paper
 from fan2022.pairs import stratified_pairs
 
@@ -67,21 +67,21 @@ def networks() -> rainer.Unified:
     return jax.tree.unflatten(jax.tree.structure(rainer.untrained()), leaves)
 
 
-def represent(method: str, source: Any, options: Options) -> Any:
+def represent(method: str, subject: Subject, options: Options) -> Any:
     """The representation of a BRDF by a method; it has f(wi, wo) -> (N, 3)."""
-    samples = options.count(SAMPLES, 1 << 12)
+    f, samples = subject.f, options.count(SAMPLES, 1 << 12)
     if method == "NBRDF":
-        return nbrdf.train(source.f, passes=PASSES[method], samples=samples)
+        return nbrdf.train(f, passes=PASSES[method], samples=samples)
     if method == "Rainer 2019":
-        return rainer.train(source.f, passes=PASSES[method], samples=samples)
+        return rainer.train(f, passes=PASSES[method], samples=samples)
     if method == "Rainer 2020":
         wi, wo = training_pairs(np.random.default_rng(SEED), 3 * MEASURED)
         wi, wo = wi[:MEASURED], wo[:MEASURED]
-        return networks().encode(wi, wo, source.f(wi, wo))
+        return networks().encode(wi, wo, f(wi, wo))
     if method.endswith("GGX"):
-        return ggx_fit.best(source.f, 1 if method == "GGX" else 2)
-    function = Source(source.f, symmetric=True, noisy=isinstance(source, Walked))
-    return urushi.encode(function, options.weights, table=method.endswith("table"))
+        return ggx_fit.best(f, 1 if method == "GGX" else 2)
+    source = Source(f, symmetric=True, noisy=subject.simulated is not None)
+    return urushi.encode(source, options.weights, table=method.endswith("table"))
 
 
 def measure(subject: Subject | None, options: Options) -> Found:
@@ -92,7 +92,7 @@ def measure(subject: Subject | None, options: Options) -> Found:
     """
     if subject is None:
         return evaluation()
-    rng, walked = np.random.default_rng((SEED, 1)), isinstance(subject.source, Walked)
+    rng, walked = np.random.default_rng((SEED, 1)), subject.simulated
     pairs = {
         "E": direction_sets.cosine_pairs(rng, REFERENCE["E"][0], lowest_cosine=0.02),
         "P": half_angle_pairs(rng, REFERENCE["P"][0]),
@@ -100,17 +100,17 @@ def measure(subject: Subject | None, options: Options) -> Found:
     }
     truth, own = {}, 0.0
     for seed, (name, (wi, wo)) in enumerate(pairs.items()):
-        if walked:
+        if walked is not None:
             walks = options.count(REFERENCE[name][1], 16)
-            truth[name], se = subject.source.simulated(wi, wo, walks, SEED + 2000 + seed)
+            truth[name], se = walked(wi, wo, walks, SEED + 2000 + seed)
             own = error("E", truth[name] + se, truth[name], wi, wo) if name == "E" else own
         else:
-            truth[name] = subject.source.f(wi, wo)
+            truth[name] = subject.f(wi, wo)
     found: Found = {"group": subject.group, "reference": float(f"{own:.3g}")}
-    original = None if walked else sphere.studio(subject.source.f)
+    original = None if walked else sphere.studio(subject.f)
     for method in METHODS:
         begin = time.process_time()
-        model = represent(method, subject.source, options)
+        model = represent(method, subject, options)
         seconds = time.process_time() - begin
         values = {
             name: error(name, model.f(*pair), truth[name], *pair) for name, pair in pairs.items()
