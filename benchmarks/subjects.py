@@ -10,7 +10,7 @@ from benchmarks.evaluation.distributions import Table2
 from benchmarks.experiment import Options
 from benchmarks.measured import materials, reciprocal
 from benchmarks.measures import Brdf
-from benchmarks.rivals.perceptron import training_pairs
+from benchmarks.rivals.nbrdf import training_pairs
 
 import urushi
 from urushi.train.distribution import Extended

@@ -18,7 +18,7 @@ from benchmarks.experiment import NETWORKS, PARTS, Experiment, Found, Options, P
 from benchmarks.measures import half_angle_pairs
 from benchmarks.pictures import compare
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
-from benchmarks.rivals.perceptron import size, training_pairs
+from benchmarks.rivals.nbrdf import size, training_pairs
 from benchmarks.showing import figure, interval, table
 from benchmarks.subjects import SEED, Subject, subjects, training_set
 from fan2022 import architecture as paper

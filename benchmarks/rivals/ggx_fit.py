@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from benchmarks.rivals.perceptron import Brdf
+from benchmarks.rivals.nbrdf import Brdf
 from scipy.optimize import least_squares, nnls
 from threadpoolctl import threadpool_limits
 

@@ -8,7 +8,7 @@ decoder serve all materials. The encoder takes any number of measurements in any
 
 The directions enter by their x and y, without half vectors: a texel's values depend on the azimuth
 of both directions. Isotropic BRDFs are therefore turned at random in training, and exchanged.
-Loss, output and samples are those of `perceptron`, so that architectures alone are compared. The
+Loss, output and samples are those of `nbrdf`, so that architectures alone are compared. The
 publications' text on the encoder's layers was not at hand; its sizes are ours.
 """
 
@@ -19,7 +19,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
-from benchmarks.rivals.perceptron import (
+from benchmarks.rivals.nbrdf import (
     BATCH,
     Brdf,
     Layers,

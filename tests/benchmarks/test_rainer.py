@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from benchmarks.measures import half_angle_pairs
 from benchmarks.rivals import rainer
-from benchmarks.rivals.perceptron import size
+from benchmarks.rivals.nbrdf import size
 
 from urushi.core.direction_sets import cosine_pairs
 
