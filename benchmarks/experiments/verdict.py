@@ -31,40 +31,31 @@ PAPER = os.environ.get(
 INTERFACES = (1, 2, 3, 4, 5, 6)
 #: CPU seconds of each method in a scene.
 SECONDS = 2.5
-#: What methods have by construction: bottoms; anisotropy, textures, and gradients with respect to
+#: The methods in the order of rows; that of `PAPER` needs a weights file. Markers and colours, and
+#: what methods have by construction: bottoms; anisotropy, textures, and gradients with respect to
 #: all parameters; and languages of real-time shaders.
-HAVE = {
-    known.NETWORKS: "any BSDF | anisotropy, textures, gradients | GLSL, HLSL, WGSL, OSL",
-    known.PAPER: "any BRDF | textures | –",
-    known.WALK: "any BSDF | anisotropy, textures | –",
-    known.BOTH_WAYS: "any BRDF | anisotropy | –",
-    known.BELCOUR: "conductors and diffuse | textures | –",
-    known.WEIER: "conductors and diffuse | anisotropy | –",
-    known.WEIDLICH: "any BSDF | anisotropy, textures | –",
-    fits.PRINCIPLED: "its own | anisotropy, textures, gradients | in most renderers",
-    fits.RECIPE: "its own | anisotropy, textures | MaterialX",
-    fits.GGX: "any, by a fit | – | –",
-    fits.NBRDF: "any, by training | – | –",
-}
-#: Markers of methods, and colours where those of `style` are not enough.
-MARKERS = dict(zip(known.METHODS, "o^s*D1vP<X>", strict=True))
-LOOKS = {
-    known.NETWORKS: COLOURS["networks"],
-    known.PAPER: COLOURS["Fan et al. 2022"],
-    known.WALK: COLOURS["walk"],
-    known.BOTH_WAYS: "#777777",
-    known.BELCOUR: COLOURS["Belcour 2018"],
-    known.WEIER: "#7f2704",
-    known.WEIDLICH: COLOURS["exact"],
-    fits.PRINCIPLED: COLOURS["principled"],
-    fits.RECIPE: "#56b4e9",
-    fits.GGX: "#8c6d1f",
-    fits.NBRDF: "#7b3294",
+METHODS = {
+    known.NETWORKS: (
+        *("o", COLOURS["networks"]),
+        "any BSDF | anisotropy, textures, gradients | GLSL, HLSL, WGSL, OSL",
+    ),
+    known.PAPER: ("^", COLOURS["Fan et al. 2022"], "any BRDF | textures | –"),
+    known.WALK: ("s", COLOURS["walk"], "any BSDF | anisotropy, textures | –"),
+    known.BOTH_WAYS: ("*", "#777777", "any BRDF | anisotropy | –"),
+    known.BELCOUR: ("D", COLOURS["Belcour 2018"], "conductors and diffuse | textures | –"),
+    known.WEIER: ("1", "#7f2704", "conductors and diffuse | anisotropy | –"),
+    known.WEIDLICH: ("v", COLOURS["exact"], "any BSDF | anisotropy, textures | –"),
+    fits.PRINCIPLED: (
+        *("P", COLOURS["principled"]),
+        "its own | anisotropy, textures, gradients | in most renderers",
+    ),
+    fits.RECIPE: ("<", "#56b4e9", "its own | anisotropy, textures | MaterialX"),
+    fits.GGX: ("X", "#8c6d1f", "any, by a fit | – | –"),
+    fits.NBRDF: (">", "#7b3294", "any, by training | – | –"),
 }
 #: Walks of a pair at both ends of the walk's line.
 WALKS = 1, 1 << 14
 NONE = "–"
-SAME = "networks, the stacks of the fits"
 
 
 def cases(options: Options) -> dict[str, Any]:
@@ -102,49 +93,42 @@ def equal_time(view: View) -> dict[str, float]:
 
 
 def plot(found: Found, _: Pictures) -> Any:
-    """E over the cost of an evaluation, and over the number of interfaces."""
+    """E of two interfaces over the cost of an evaluation, and over the number of interfaces.
+
+    That of the walk is a line over the cost of more and more walks.
+    """
     picture = figure(10, 4.6)
     left, right = picture.subplots(1, 2, sharey=True)
-    over_cost(left, found)
-    over_interfaces(right, found)
+    for name in rows(found):
+        marker, colour, _ = METHODS[name]
+        look = {"marker": marker, "color": colour}
+        cost, e = cost_of(found["evaluations"], name), percent(found, name, 2)
+        if cost is not None and e is not None:
+            if name in known.ESTIMATORS:
+                count = np.array(WALKS)
+                line = e[0] * np.sqrt(known.WALKS / count)
+                left.plot(cost * count, line, color=colour, linewidth=1)
+                cost *= known.WALKS
+            left.errorbar(
+                cost, e[0], yerr=np.abs(np.array(e[1:]) - e[0])[:, None], capsize=3, **look
+            )
+        points = [(n, e[0]) for n in INTERFACES if (e := percent(found, name, n)) and e[0] > 1e-2]
+        label = name + (f", {known.WALKS:,} walks" if name in known.ESTIMATORS else "")
+        right.plot(*np.transpose(points), linewidth=1, markersize=5, label=label, **look)
+    left.set(xscale="log", yscale="log", ylabel="E [%]")
+    left.set_title("two interfaces", fontsize=10)
+    left.set_xlabel("cost of an evaluation, over that of principled")
+    right.set_xlabel("interfaces")
+    for axis in (left, right):
+        axis.grid(alpha=0.3)
     handles, labels = right.get_legend_handles_labels()
     picture.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
     return picture
 
 
-def over_cost(axis: Any, found: Found) -> None:
-    """E of two interfaces over the cost of an evaluation; that of the walk for many walks."""
-    for name in rows(found):
-        cost, e = cost_of(found["evaluations"], name), percent(found, name, 2)
-        if cost is None or e is None:
-            continue
-        look = {"marker": MARKERS[name], "color": LOOKS[name], "capsize": 3}
-        if name in known.ESTIMATORS:
-            count = np.array(WALKS)
-            line = e[0] * np.sqrt(known.WALKS / count)
-            axis.plot(cost * count, line, color=LOOKS[name], linewidth=1)
-            cost *= known.WALKS
-        axis.errorbar(cost, e[0], yerr=np.abs(np.array(e[1:]) - e[0])[:, None], **look)
-    axis.set(xscale="log", yscale="log", ylabel="E [%]")
-    axis.set_title("two interfaces", fontsize=10)
-    axis.set_xlabel("cost of an evaluation, over that of principled")
-    axis.grid(alpha=0.3)
-
-
-def over_interfaces(axis: Any, found: Found) -> None:
-    """E over the number of interfaces."""
-    for name in rows(found):
-        points = [(n, e[0]) for n in INTERFACES if (e := percent(found, name, n)) and e[0] > 1e-2]
-        label = name + (f", {known.WALKS:,} walks" if name in known.ESTIMATORS else "")
-        look = {"marker": MARKERS[name], "color": LOOKS[name], "label": label}
-        axis.plot(*np.transpose(points), linewidth=1, markersize=5, **look)
-    axis.set_xlabel("interfaces")
-    axis.grid(alpha=0.3)
-
-
 def rows(found: Found) -> list[str]:
     """The methods that were measured."""
-    return [name for name in known.METHODS if name in found["interfaces_2"]]
+    return [name for name in METHODS if name in found["interfaces_2"]]
 
 
 def apart(found: Found) -> list[str]:
@@ -176,32 +160,24 @@ def tables(found: Found) -> list[str]:
 
 
 def error_table(found: Found) -> str:
-    """E by number of interfaces, and over measured bottoms."""
+    """E by number of interfaces, and over measured bottoms; of all stacks and of the fits'."""
     first, *others = INTERFACES
-    head = [f"{first} interface", *(str(n) for n in others)]
-    head += ["measured bottoms"]
+
+    def line(name: str, label: str, stacks: int | None = None) -> list[str]:
+        parts = [found[f"interfaces_{n}"].get(name) for n in INTERFACES]
+        e = [part and part["E"][:stacks] for part in parts]
+        e.append(None if stacks else found.get("measured", {}).get(name))
+        return [label, *(shown(x and 100 * float(np.mean(x))) for x in e)]
+
     lines = []
     for name in apart(found):
         if name == fits.PRINCIPLED:  # the first fit
-            lines.append([SAME, *same_stacks(found)])
-        lines.append([name, *error_cells(found, name)])
+            lines.append(line(known.NETWORKS, "networks, the stacks of the fits", FITTED))
+        lines.append(line(name, name))
         if name == known.NETWORKS:
-            lines.append([known.TABLES, *error_cells(found, known.TABLES)])
-    return table(["method", *head], lines)
-
-
-def error_cells(found: Found, name: str) -> list[str]:
-    """E of a method in all columns."""
-    cells = [shown(e and e[0]) for n in INTERFACES for e in [percent(found, name, n)]]
-    e = found.get("measured", {}).get(name)
-    return [*cells, shown(None if e is None else 100 * float(np.mean(e)))]
-
-
-def same_stacks(found: Found) -> list[str]:
-    """E of the networks for the stacks that models are fitted to."""
-    parts = [found[f"interfaces_{n}"][known.NETWORKS]["E"] for n in INTERFACES]
-    cells = [shown(100 * float(np.mean(e[:FITTED]))) for e in parts]
-    return [*cells, NONE]
+            lines.append(line(known.TABLES, known.TABLES))
+    head = ["method", f"{first} interface", *map(str, others), "measured bottoms"]
+    return table(head, lines)
 
 
 def cost_table(found: Found) -> str:
@@ -213,30 +189,21 @@ def cost_table(found: Found) -> str:
         by_number = [found[f"interfaces_{n}"] for n in INTERFACES]
         measured = [part[name] for part in by_number if name in part]
         exchange = max(part["exchange"] for part in measured)
-        walked = name in known.ESTIMATORS
-        memory = found["memory"].get(name, {})
-        fit = np.mean([part["seconds"] for part in measured])
-        own = found["new"].get(name, float(fit))
-        lines.append(
-            [
-                name,
-                "0" if walked or exchange < 1e-5 else f"{100 * exchange:.2g} %",
-                f"{found['laws'][known.WALK if walked else name]:.2f}",
-                *(
-                    shown(cost_of(part, name))
-                    for part in (found["evaluations"], *found["renders"].values())
-                ),
-                *(f"{memory.get(key) or NONE}" for key in ("material", "texel", "texel 6")),
-                f"{own:.2g}",
-            ]
-        )
+        walked, memory = name in known.ESTIMATORS, found["memory"].get(name, {})
+        fit = float(np.mean([part["seconds"] for part in measured]))
+        cells = ["0" if walked or exchange < 1e-5 else f"{100 * exchange:.2g} %"]
+        cells += [f"{found['laws'][known.WALK if walked else name]:.2f}"]
+        parts = found["evaluations"], *found["renders"].values()
+        cells += [shown(cost_of(part, name)) for part in parts]
+        cells += [f"{memory.get(key) or NONE}" for key in ("material", "texel", "texel 6")]
+        lines.append([name, *cells, f"{found['new'].get(name, fit):.2g}"])
     return table(["method", *head], lines)
 
 
 def lights(found: Found) -> str:
     """The walk's mean squared error over that of each method, by scene and light."""
     lines = []
-    for name in (*known.METHODS, "exact"):
+    for name in (*METHODS, "exact"):
         parts = [[found[f"{scene}, {light}"].get(name) for light in LIGHTS] for scene in SCENES]
         if parts[0][0] is not None:
             lines.append([name, *(" / ".join(shown(x) for x in part) for part in parts)])
@@ -247,7 +214,7 @@ def lights(found: Found) -> str:
 def properties(found: Found) -> str:
     """What methods have by construction."""
     head = ["method", "bottoms", "features", "shaders"]
-    return table(head, [[name, HAVE[name]] for name in rows(found)])
+    return table(head, [[name, METHODS[name][2]] for name in rows(found)])
 
 
 def shown(value: float | None) -> str:
@@ -259,8 +226,8 @@ def shown(value: float | None) -> str:
 
 EXPERIMENT = Experiment(
     cases=cases,
-    measure=lambda case, _: case(),
     tables=tables,
+    measure=lambda case, _: case(),
     plot=plot,
     models=BOTH | {"paper weights": lambda: PaperNetworks.read(PAPER)},
     minutes=45,

@@ -115,22 +115,19 @@ def memory() -> dict[str, dict[str, int]]:
 
     Numbers of parametric models take one byte of a texel. `texel 6` is for six interfaces.
     """
-    material, texel = 3 * 4 * default_model().arch.latent, texel_bytes()
-    found = {known.NETWORKS: {"material": material, "texel": texel, "texel 6": texel}}
-    names = ("material", "texel", "texel 6")
-    found[known.PAPER] = dict.fromkeys(names, 3 * 4 * LATENT)
-    for name in (known.WALK, known.BOTH_WAYS, *known.RIVALS):  # as of surfaces of one width
-        numbers = COAT_NUMBERS + BOTTOM_NUMBERS
-        found[name] = {
-            "material": 4 * numbers,
-            "texel": numbers,
-            "texel 6": numbers + 4 * COAT_NUMBERS,
-        }
+    names = "material", "texel", "texel 6"
+
+    def entry(material: int, texel: int, six: int | None = None) -> dict[str, int]:
+        return dict(zip(names, (material, texel, texel if six is None else six), strict=True))
+
+    found = {known.NETWORKS: entry(3 * 4 * default_model().arch.latent, texel_bytes())}
+    found[known.PAPER] = entry(3 * 4 * LATENT, 3 * 4 * LATENT)
+    numbers = COAT_NUMBERS + BOTTOM_NUMBERS  # of surfaces of one width
+    for name in (known.WALK, known.BOTH_WAYS, *known.RIVALS):
+        found[name] = entry(4 * numbers, numbers, numbers + 4 * COAT_NUMBERS)
     counts = {name: form.size() for name, form in fits.FORMS.items()} | {fits.GGX: GGX_NUMBERS}
-    for name, numbers in counts.items():
-        found[name] = {"material": 4 * numbers, "texel": numbers, "texel 6": numbers}
-    found[fits.NBRDF] = {"material": 4 * nbrdf.SIZE, "texel": 0, "texel 6": 0}
-    return found
+    found |= {name: entry(4 * numbers, numbers) for name, numbers in counts.items()}
+    return found | {fits.NBRDF: entry(4 * nbrdf.SIZE, 0)}
 
 
 def texel_bytes() -> int:

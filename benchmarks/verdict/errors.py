@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -133,31 +134,21 @@ def laws(paper: PaperNetworks) -> dict[str, float]:
     That of the walk is by its own directions (`urushi.walk.simulate.albedo`).
     """
     wi, found = in_plane(np.arccos(ALBEDO_COSINES)), dict[str, float]()
+    pairs, walks = nodes.node_pairs(), {"walks": known.TABLE_WALKS, "seed": known.SEED}
     for alpha in WIDTHS:
         for bottom in (urushi.diffuse(1.0), urushi.conductor(alpha=alpha, r0=1.0)):
-            made = {
-                name: directional_albedos(f, wi) for name, f in _white(alpha, bottom, paper).items()
+            stack, top = urushi.coat(bottom, alpha, 1.5), urushi.dielectric(alpha, 1.5)
+            table = fits.tabulated(
+                urushi.simulate(stack, *pairs, progress=False, **walks)[0][:, :1]
+            )
+            white: dict[str, fits.Brdf] = {
+                known.NETWORKS: urushi.layer(top, bottom).f,
+                known.PAPER: fan2022.layer(top, fan2022.encode(bottom, paper)).f,
+                **{name: partial(rival.f, stack) for name, rival in known.RIVALS.items()},
+                **{name: fits.fitted(name, table) for name in fits.FITTED},
             }
-            made[known.WALK], _ = walked_albedo(urushi.coat(bottom, alpha, 1.5), wi, seed=SEED)
-            for name, albedo in made.items():
+            albedos = {name: directional_albedos(f, wi) for name, f in white.items()}
+            albedos[known.WALK], _ = walked_albedo(stack, wi, seed=SEED)
+            for name, albedo in albedos.items():
                 found[name] = max(found.get(name, 0.0), float(albedo[:, 0].max()))
     return found
-
-
-def _white(alpha: float, bottom: Any, paper: PaperNetworks) -> dict[str, fits.Brdf]:
-    """All methods for a coat without absorption over a white bottom."""
-    stack: Stack = urushi.coat(bottom, alpha, 1.5)
-    top = urushi.dielectric(alpha=alpha, eta=1.5)
-    found: dict[str, fits.Brdf] = {
-        known.NETWORKS: urushi.layer(top, bottom).f,
-        known.PAPER: fan2022.layer(top, fan2022.encode(bottom, paper)).f,
-    }
-
-    def rival(name: str) -> fits.Brdf:
-        return lambda wi, wo: known.RIVALS[name].f(stack, wi, wo)
-
-    found |= {name: rival(name) for name in known.RIVALS}
-    pairs = nodes.node_pairs()
-    f, _ = urushi.simulate(stack, *pairs, walks=known.TABLE_WALKS, seed=known.SEED, progress=False)
-    table = fits.tabulated(f[:, :1])
-    return found | {name: fits.fitted(name, table) for name in fits.FITTED}

@@ -34,8 +34,6 @@ PLUGINS = {
 #: Modules' functions `simulate` and `walk_pairs`, by method.
 ESTIMATORS = {WALK: urushi.walk, BOTH_WAYS: bidirectional}
 RIVALS = {BELCOUR: belcour, WEIER: weier, WEIDLICH: weidlich}
-#: Rows of the table; that of `PAPER` needs a weights file.
-METHODS = (NETWORKS, PAPER, WALK, BOTH_WAYS, BELCOUR, WEIER, WEIDLICH, *fits.FITTED)
 #: Walks of a pair, those of `urushi.simulate` by default; of a table that fits read; and a seed
 #: other than that of the references.
 WALKS, TABLE_WALKS, SEED = 4096, 256, 24
