@@ -85,7 +85,7 @@ class View:
         """The scene for `mi.render`, and the hash of everything that its picture depends on."""
         with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
             scene = self.described(method, Path(folder))
-            return mi.load_dict(scene), f"{digest(scene)} {PASS_SPP}"
+            return mi.load_dict(scene), f"{digest(scene, Path(folder))} {PASS_SPP}"
 
 
 @dataclass(frozen=True)

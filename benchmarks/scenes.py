@@ -7,6 +7,7 @@ same scene.
 """
 
 import hashlib
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -83,32 +84,17 @@ def describe(
     return _with_method(scene, method)
 
 
-def digest(scene: dict[str, Any]) -> str:
-    """The hash of everything that a scene's picture depends on, its files included."""
-    result = hashlib.sha256(mi.__version__.encode())
-    for key, value in _leaves(scene):
-        result.update(key.encode() + b"\0")
-        if key == "filename":
-            result.update(Path(value).read_bytes())
-        elif key == "weights":
-            file = Path(value)
-            result.update(file.read_bytes() if file.is_file() else value.encode())
-        elif isinstance(value, str) and value == COATS[0]:
-            for model in (networks.default_model(), networks.anisotropic_model()):
-                result.update(model.fingerprint.encode())
-        elif isinstance(value, (mi.Bitmap, mi.TensorXf)):
-            result.update(np.array(value).tobytes())
-        else:
-            result.update(str(value).encode())
-    return result.hexdigest()
-
-
-def _leaves(node: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    for key, value in node.items():
-        if isinstance(value, dict):
-            yield from _leaves(value)
-        else:
-            yield key, value
+def digest(scene: dict[str, Any], folder: Path) -> str:
+    """The hash of everything that a scene's picture depends on, its files in a folder included."""
+    text = str(scene)
+    parts = [mi.__version__.encode(), text.replace(str(folder.resolve()), "").encode()]
+    parts += [path.read_bytes() for path in sorted(folder.iterdir())]
+    if f"'{COATS[0]}'" in text:
+        models = networks.default_model(), networks.anisotropic_model()
+        parts += [model.fingerprint.encode() for model in models]
+    for file in map(Path, re.findall(r"'weights': '([^']*)'", text)):
+        parts.append(file.read_bytes() if file.is_file() else b"")
+    return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
 def _emits(node: Any) -> bool:

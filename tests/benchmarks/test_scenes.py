@@ -37,7 +37,8 @@ def test_methods_replace_every_coat_and_leave_the_rest(name, tmp_path):
 
 def test_the_hash_states_content_and_not_the_folder(tmp_path):
     def of(method=WALK, light=OWN, folder="a", **size):
-        return digest(describe("caddy", method, tmp_path / folder, light=light, **(SMALL | size)))
+        path = tmp_path / f"{folder}-{method}-{light}-{size}"
+        return digest(describe("caddy", method, path, light=light, **(SMALL | size)), path)
 
     assert of() == of(folder="b")
     others = [of(DEFAULT), of(PRINCIPLED), of(light=POINT), of(light=SKY), of(width=20)]
