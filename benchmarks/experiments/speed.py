@@ -16,8 +16,9 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import spheres, timing
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options
-from benchmarks.scenes import PRINCIPLED, WALK, coat, describe
-from benchmarks.showing import rounded, table
+from benchmarks.pictures import View
+from benchmarks.scenes import PRINCIPLED, WALK, coat
+from benchmarks.showing import table
 
 import urushi
 from urushi.core import direction_sets
@@ -50,6 +51,7 @@ STACKS = {
 #: Media (albedo, sigma_t, g) of three channels.
 CLEAR = np.zeros((3, 3))
 TINTED = np.array([(0.9, 0.5, 0.2), (0.5, 1.0, 2.0), (0.3, 0.3, 0.3)])
+CHANNELS = "1 channel", "3 channels"
 #: Interfaces (alpha, index relative to the medium above), and the media between them.
 SLABS = {
     "a sheet of one coat": ([(0.3, 1.4), (0.3, 1 / 1.4)], [TINTED]),
@@ -86,24 +88,25 @@ def evaluations(options: Options) -> Found:
         bsdf = mi.load_dict(spheres.material(options.weights or DEFAULT, textures))
         recorded = timing.evaluation(bsdf, wi, wo, uv)
         kernels[f"million evaluations of f, {name}"] = partial(timing.kernel, recorded)
-    least = timing.least(kernels, TURNS)
-    return {name: rounded(count / 1e6 / seconds, 3) for name, seconds in least.items()}
+    return {name: count / 1e6 / s for name, s in timing.least(kernels, TURNS).items()}
 
 
 def walks(options: Options) -> Found:
     """Millions of walks a CPU second; a walk is one estimate of f for one pair and channel."""
-    number = options.count(WALKS, 16)
-    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(1), PAIRS)
-    row = np.zeros(PAIRS, np.uint32)
-    operations = {
+    number, row = options.count(WALKS, 16), np.zeros(PAIRS, np.uint32)
+    pairs = direction_sets.cosine_pairs(np.random.default_rng(1), PAIRS)
+    calls = {
         f"million walks, {name}": partial(
-            timing.seconds,
-            partial(walk_pairs, from_stack(stack), row, wi, wo, walks=number, seed=1),
+            walk_pairs, from_stack(stack), row, *pairs, walks=number, seed=1
         )
         for name, stack in STACKS.items()
     }
-    least = timing.least(operations, TURNS)
-    return {name: rounded(PAIRS * number / 1e6 / seconds, 3) for name, seconds in least.items()}
+    return {name: PAIRS * number / 1e6 / s for name, s in least(calls).items()}
+
+
+def least(calls: dict[str, Callable[[], Any]]) -> dict[str, float]:
+    """CPU seconds of calls."""
+    return timing.least({k: partial(timing.seconds, call) for k, call in calls.items()}, TURNS)
 
 
 def materials(options: Options) -> Found:
@@ -114,14 +117,14 @@ def materials(options: Options) -> Found:
     with tempfile.TemporaryDirectory() as folder:
         path = synthetic_merl(Path(folder) / "synthetic.binary")
         measured = urushi.load_measured(path)
-        calls: dict[str, Callable[[], Any]] = {
-            "encode one RGB material": lambda: urushi.encode(gold, model),
-            "layer one RGB material": lambda: urushi.layer(top, bottom, **medium),
-            "read a MERL file": lambda: urushi.load_measured(path),
-            "encode a MERL file": lambda: urushi.encode(measured, model),
-        }
-        operations = {name: partial(timing.seconds, call) for name, call in calls.items()}
-        return {k: rounded(v, 3) for k, v in timing.least(operations, TURNS).items()}
+        return least(
+            {
+                "encode one RGB material": lambda: urushi.encode(gold, model),
+                "layer one RGB material": lambda: urushi.layer(top, bottom, **medium),
+                "read a MERL file": lambda: urushi.load_measured(path),
+                "encode a MERL file": lambda: urushi.encode(measured, model),
+            }
+        )
 
 
 def slabs(_: Options) -> Found:
@@ -135,13 +138,11 @@ def slabs(_: Options) -> Found:
 
     with one_blas_thread():
         operations = {
-            f"tables of {name}, {channels} channel{'s' if channels > 1 else ''}": partial(
-                seconds, *slab, channels
-            )
+            f"tables of {name}, {label}": partial(seconds, *slab, int(label[0]))
             for name, slab in SLABS.items()
-            for channels in (1, 3)
+            for label in CHANNELS
         }
-        return {k: rounded(v, 2) for k, v in timing.least(operations, 2).items()}
+        return timing.least(operations, 2)
 
 
 def loading(options: Options) -> Found:
@@ -179,10 +180,9 @@ def loading(options: Options) -> Found:
         found["file [MB]"] = path.stat().st_size / 2**20
         saved = {"type": "neural_brdf", "filename": str(path)}
         found["reload"] = timing.seconds(lambda: mi.load_dict(saved))
-    found["peak memory of the process [MB]"] = (
-        resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    )
-    return {f"{side}² texels: {name}": rounded(value, 3) for name, value in found.items()}
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    found["peak memory of the process [MB]"] = peak
+    return {f"{side}² texels: {name}": value for name, value in found.items()}
 
 
 def renders(make: Callable[[str], Any], options: Options) -> Found:
@@ -190,8 +190,7 @@ def renders(make: Callable[[str], Any], options: Options) -> Found:
     names = {PRINCIPLED: PRINCIPLED, "codes": options.weights or DEFAULT, WALK: WALK}
     scenes = {name: partial(make, plugin) for name, plugin in names.items()}
     times = spheres.renders(scenes, options.count(SPP, 2))
-    found = {name: seconds for name, (seconds, _) in times.items()}
-    return {k: rounded(v, 3) for k, v in (found | {"compile": times["codes"][1]}).items()}
+    return {name: seconds for name, (seconds, _) in times.items()} | {"compile": times["codes"][1]}
 
 
 def sphere(textures: int, options: Options) -> Found:
@@ -201,20 +200,15 @@ def sphere(textures: int, options: Options) -> Found:
 
 def whole(name: str, options: Options) -> Found:
     """A scene of the gallery, most of whose coats are textured."""
-
-    def make(plugin: str) -> Any:
-        with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
-            side = options.count(SIDE, 32)
-            return mi.load_dict(describe(name, plugin, Path(folder), width=side))
-
-    return renders(make, options)
+    view = View(name, width=options.count(SIDE, 32), detail=1.0)
+    return renders(lambda plugin: view.load(plugin)[0], options)
 
 
 def cases(_: Options) -> dict[str, Any]:
     parts = {"evaluations": evaluations, "walks": walks, "materials": materials, "slabs": slabs}
-    parts |= {"loading": loading, "sphere, constant": partial(sphere, 0)}
-    parts["sphere, three textures"] = partial(sphere, spheres.FEW)
-    parts["sphere, all textured"] = partial(sphere, spheres.ALL)
+    textures = {"constant": 0, "three textures": spheres.FEW, "all textured": spheres.ALL}
+    parts |= {"loading": loading}
+    parts |= {f"sphere, {name}": partial(sphere, number) for name, number in textures.items()}
     return parts | {f"scene {name}": partial(whole, name) for name in WHOLE}
 
 
@@ -231,26 +225,20 @@ def tables(found: Found) -> list[str]:
         for name, case in renders.items()
     ]
     others = [
-        [label, f"{value:g}"]
+        [label, f"{value:.4g}"]
         for name, case in found.items()
         if name not in renders and name != "slabs"
         for label, value in case.items()
     ]
-    channels = "1 channel", "3 channels"
     slabs = [
-        [name, *(f"{found['slabs'][f'tables of {name}, {number}']:g}" for number in channels)]
+        [name, *(f"{found['slabs'][f'tables of {name}, {number}']:.2g}" for number in CHANNELS)]
         for name in (SLABS if "slabs" in found else ())
     ]
     head = ["render", f"`{PRINCIPLED}`", "codes over it", "walk over it", "codes: compile"]
     made = [table(head, rows)] if rows else []
     if others:
         made.append(table(["measurement", "rate [1/CPU s] or time [CPU s]"], others))
-    return made + ([table(["tables of [CPU s]", *channels], slabs)] if slabs else [])
+    return made + ([table(["tables of [CPU s]", *CHANNELS], slabs)] if slabs else [])
 
 
-EXPERIMENT = Experiment(
-    cases=cases,
-    tables=tables,
-    models=NETWORKS,
-    minutes=15,
-)
+EXPERIMENT = Experiment(cases, tables, models=NETWORKS, minutes=15)
