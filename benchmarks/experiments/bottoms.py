@@ -14,6 +14,7 @@ import numpy as np
 from benchmarks.experiment import BOTH, Experiment, Found, Options
 from benchmarks.measures import bsdf_values, stack_error
 from benchmarks.showing import table
+from gallery.stage import conductor, rgb
 
 import urushi  # noqa: F401  (registers the plugins)
 from urushi.core import direction_sets
@@ -26,33 +27,24 @@ COSINES, WALKS, DARK = (1.0, 0.85, 0.6, 0.3), 1 << 17, 0.02
 #: Pairs of E, and walks for each.
 PAIRS, REPEATS = 192, 2048
 
-COATS = {
+SCATTERING = {"int_ior": 1.4, "albedo": rgb(0.95, 0.85, 0.7), "sigma_t": 1.0, "g": 0.3}
+COATS: dict[str, dict[str, Any]] = {
     "clear smooth": {"alpha": 0.03},
     "clear rough": {"alpha": 0.3},
-    "tinted": {"alpha": 0.1, "sigma_t": {"type": "rgb", "value": [0.1, 0.4, 1.2]}},
-    "scattering": {
-        "alpha": 0.1,
-        "int_ior": 1.4,
-        "albedo": {"type": "rgb", "value": [0.95, 0.85, 0.7]},
-        "sigma_t": 1.0,
-        "g": 0.3,
-    },
+    "tinted": {"alpha": 0.1, "sigma_t": rgb(0.1, 0.4, 1.2)},
+    "scattering": {"alpha": 0.1, **SCATTERING},
 }
 
 
-def rgb(*values: float) -> dict[str, Any]:
-    """A colour."""
-    return {"type": "rgb", "value": list(values)}
-
-
 GREEN, ORANGE = rgb(0.1, 0.6, 0.2), rgb(0.8, 0.35, 0.05)
-GOLD = {"type": "roughconductor", "material": "Au", "distribution": "ggx", "alpha": 0.15}
+GOLD = conductor("Au", 0.15)
 LEAF = {"type": "diffuse", "reflectance": GREEN}
 PLASTIC = {"diffuse_reflectance": ORANGE, "alpha": 0.1}
 LACQUER = {"base_color": GREEN, "roughness": 0.5, "clearcoat": 1.0, "clearcoat_gloss": 0.9}
 CLOTH = {"base_color": GREEN, "roughness": 0.7, "sheen": 1.0, "sheen_tint": 0.5}
 BRASS = {"base_color": ORANGE, "metallic": 0.8, "roughness": 0.3}
-TILTED = {"type": "bitmap", "raw": True, "data": None}
+#: In the place of a texture of one tilted normal, which needs a variant.
+TILTED = object()
 
 #: The bottoms: all opaque BSDFs of Mitsuba 3.9, its wrappers, and Urushi's own; a plugin's name,
 #: with what is varied in parentheses, and its parameters.
@@ -63,7 +55,7 @@ BOTTOMS: dict[str, dict[str, Any]] = {
         "conductor": {"material": "Au"},
         "roughconductor": GOLD,
         "roughconductor (beckmann)": GOLD | {"distribution": "beckmann"},
-        "roughconductor (.05, .3)": GOLD | {"alpha_u": 0.05, "alpha_v": 0.3, "alpha": None},
+        "roughconductor (.05, .3)": conductor("Au", (0.05, 0.3)),
         "plastic": {"diffuse_reflectance": ORANGE},
         "roughplastic": PLASTIC,
         "roughplastic (ggx, .3)": {
@@ -94,24 +86,10 @@ BOTTOMS: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
-def filled(entry: dict[str, Any]) -> dict[str, Any]:
-    """A description without entries of None; data of None are those of one tilted normal."""
-    result = {}
-    for name, value in entry.items():
-        if isinstance(value, dict):
-            result[name] = filled(value)
-        elif name == "data" and value is None:
-            result[name] = mi.TensorXf(np.full((4, 4, 3), (0.6, 0.5, 0.9), np.float32))
-        elif value is not None:
-            result[name] = value
-    return result
-
-
-def values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
-    """f (repeats, N, 3) of independent evaluations."""
-    a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
-    time = np.repeat(np.arange(repeats, dtype=np.float32), len(wi))
-    return bsdf_values(bsdf, a, b, time).reshape(repeats, len(wi), -1)
+def texture(texels: np.ndarray) -> dict[str, Any]:
+    """Texels (H, W, C) without filter."""
+    data = mi.TensorXf(np.asarray(texels, np.float32))
+    return {"type": "bitmap", "raw": True, "filter_type": "nearest", "data": data}
 
 
 def albedo_errors(walk: "mi.BSDF", neural: "mi.BSDF") -> np.ndarray:
@@ -137,8 +115,10 @@ def albedo_errors(walk: "mi.BSDF", neural: "mi.BSDF") -> np.ndarray:
 def pair_errors(walk: "mi.BSDF", neural: "mi.BSDF") -> np.ndarray:
     """E (3,) without the walk's noise."""
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(1), PAIRS)
-    halves = values(walk, wi, wo, REPEATS).reshape(2, -1, PAIRS, 3).mean(axis=1)
-    f, f_hat = halves.mean(axis=0), values(neural, wi, wo, 1)[0]
+    many, number = (np.tile(w, (REPEATS, 1)) for w in (wi, wo)), np.arange(REPEATS)
+    values = bsdf_values(walk, *many, np.repeat(np.float32(number), PAIRS))
+    halves = values.reshape(2, -1, PAIRS, 3).mean(axis=1)
+    f, f_hat = halves.mean(axis=0), bsdf_values(neural, wi, wo)
     cosines = wi[:, 2], wo[:, 2]
     found = stack_error(f_hat.T, f.T, *cosines)
     noise = 0.5 * stack_error(halves[0].T, halves[1].T, *cosines)
@@ -149,17 +129,18 @@ def measure(bottom: dict[str, Any], _: Options) -> Found:
     """By coat, and by "codes" for the worst of all coats, [albedo, E]; or why it is refused."""
     found: Found = {}
     for name, coat in COATS.items():
-        described = filled({**coat, "bottom": bottom})
+        tilted = texture(np.full((4, 4, 3), (0.6, 0.5, 0.9)))
+        below = {k: tilted if value is TILTED else value for k, value in bottom.items()}
         # The middle one of three texels; equal ones would be a constant.
-        texels = coat["alpha"] * np.array([0.6, 1, 1.7], np.float32).reshape(1, 3, 1)
-        texture = {"type": "bitmap", "raw": True, "filter_type": "nearest"}
-        texture = {"alpha": texture | {"data": mi.TensorXf(texels)}}
+        widths = texture(coat["alpha"] * np.array([0.6, 1, 1.7]).reshape(1, 3, 1))
         try:
-            walk = mi.load_dict({"type": "layered", **described})
-            both = [
-                mi.load_dict({"type": "neural_layered", **described, **extra})
-                for extra in ({}, texture)
-            ]
+            walk, *both = (
+                mi.load_dict({"type": plugin, **coat, **extra, "bottom": below})
+                for plugin, extra in (
+                    *(("layered", {}), ("neural_layered", {})),
+                    ("neural_layered", {"alpha": widths}),
+                )
+            )
         except (UrushiError, RuntimeError) as error:
             return {"refused": str(error).splitlines()[-1].strip()}
         worst = [

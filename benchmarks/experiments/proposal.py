@@ -22,13 +22,19 @@ from tqdm import tqdm
 
 from urushi.core.namespace import NUMPY, components
 from urushi.material import Material
-from urushi.nets.weights import Model
 
 MATERIALS, SAMPLES = 200, 512
 ANGLES = tuple(range(0, 90, 5))
 
-#: The proposals, in the order of the table.
-PROPOSALS = ("networks", "Fan et al. 2022, best fit", "cosine")
+#: The proposals, in the order of the table, and their colours.
+PROPOSALS = {
+    "networks": COLOURS["networks"],
+    "Fan et al. 2022, best fit": COLOURS["Fan et al. 2022"],
+    "cosine": COLOURS["Belcour 2018"],
+}
+
+#: Shares of the materials and angles whose variation is stored.
+SHARES = np.linspace(0, 1, 101)
 
 #: Candidates for the width of the best Gaussian and the share of the cosine lobe.
 SIGMAS = np.geomspace(MIN_SIGMA, 1, 24).astype(np.float32)
@@ -81,42 +87,26 @@ def best_gaussian(drawn: Drawn) -> GaussianMixture:
     return GaussianMixture(*best)
 
 
-def variations(model: Model, count: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """For each of `PROPOSALS`: variations (M, A) of materials by angles, and largest weights."""
-    made = [m for samples in benchmark.read().values() for m in predict.materials(model, samples)]
-    chosen = np.linspace(0, len(made) - 1, count).astype(int)
+def measure(_: None, options: Options) -> Found:
+    """By proposal: quantiles of the variation at `SHARES`, medians by angle, the largest weight."""
+    held = benchmark.read().values()
+    made = [m for samples in held for m in predict.materials(options.model, samples)]
+    chosen = np.linspace(0, len(made) - 1, options.count(MATERIALS)).astype(int)
     rows = []
     for seed, index in enumerate(tqdm(chosen, desc="materials", disable=None)):
         drawn = draw(made[index], seed)
         gaussian = np.maximum(density(best_gaussian(drawn), drawn), 1e-12)
         densities = (drawn.pdf, gaussian, drawn.wo[..., 2] / math.pi)
         rows.append([(variation(drawn, q), (drawn.f_cos / q).max(axis=1)) for q in densities])
-    values = np.array(rows)  # (M, proposals, 2, A)
-    return {name: tuple(values[:, i].swapaxes(0, 1)) for i, name in enumerate(PROPOSALS)}
-
-
-#: Shares of the materials and angles whose variation is stored.
-SHARES = np.linspace(0, 1, 101)
-
-
-def measure_variation(options: Options) -> Found:
-    """By proposal: quantiles of the variation at `SHARES`, medians by angle, the largest weight."""
+    values = np.moveaxis(rows, 0, 2)  # (proposals, 2, M, A)
     return {
         name: {
             "quantiles": np.quantile(cv, SHARES),
             "by angle": np.quantile(cv, (0.5, 0.95), axis=0),
             "largest": weight.max(),
         }
-        for name, (cv, weight) in variations(options.model, options.count(MATERIALS)).items()
+        for name, (cv, weight) in zip(PROPOSALS, values, strict=True)
     }
-
-
-#: Colours of the proposals, and of their names in the figure.
-LOOKS = {
-    PROPOSALS[0]: COLOURS["networks"],
-    PROPOSALS[1]: COLOURS["Fan et al. 2022"],
-    PROPOSALS[2]: COLOURS["Belcour 2018"],
-}
 
 
 def plot(found: Found, _: Pictures) -> Any:
@@ -125,9 +115,9 @@ def plot(found: Found, _: Pictures) -> Any:
     left, right = picture.subplots(1, 2)
     for name, values in found["variation"].items():
         median, high = values["by angle"]
-        left.plot(values["quantiles"], 100 * SHARES, color=LOOKS[name], label=name)
-        right.plot(ANGLES, median, color=LOOKS[name])
-        right.plot(ANGLES, high, color=LOOKS[name], linestyle="--")
+        left.plot(values["quantiles"], 100 * SHARES, color=PROPOSALS[name], label=name)
+        right.plot(ANGLES, median, color=PROPOSALS[name])
+        right.plot(ANGLES, high, color=PROPOSALS[name], linestyle="--")
     left.set(xscale="log", xlim=(0.03, 100), ylabel="materials and angles [%]")
     left.set_xlabel("variation of f cos θo / pdf")
     left.legend(fontsize=8)
@@ -150,10 +140,5 @@ def tables(found: Found) -> list[str]:
 
 
 EXPERIMENT = Experiment(
-    cases=lambda _: {"variation": None},
-    measure=lambda _, options: measure_variation(options),
-    tables=tables,
-    plot=plot,
-    models=NETWORKS,
-    minutes=3,
+    lambda _: {"variation": None}, tables, measure, plot, models=NETWORKS, minutes=3
 )
