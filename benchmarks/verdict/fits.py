@@ -85,56 +85,38 @@ def fitted(name: str, f: Brdf, channels: int = 1) -> Brdf:
 def fit(form: Form, values: np.ndarray, channels: int = 1) -> Brdf:
     """Fit a form to values (`PAIRS`, C) at `pairs`."""
     p, ranges = pairs(), form.ranges
-    low, high = np.array(
-        [r for name, r in ranges.items() for _ in range(channels if name in form.colours else 1)]
-    ).T
-
-    weight = np.sqrt(p.weight)[:, None]
-    target = np.log1p(values * p.wi[:, 2:])
-
-    def parameters(x: np.ndarray) -> dict[str, Any]:
-        numbers, named, place = low + x * (high - low), {}, 0
-        for name in ranges:
-            count = channels if name in form.colours else 1
-            part, place = numbers[place : place + count], place + count
-            named[name] = np.broadcast_to(part, 3) if name in form.colours else float(part[0])
-        return named
+    counts = [channels if name in form.colours else 1 for name in ranges]
+    low, high = np.repeat(list(ranges.values()), counts, axis=0).T
+    weight, target = np.sqrt(p.weight)[:, None], np.log1p(values * p.wi[:, 2:])
 
     def evaluate(x: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return np.asarray(form.f(parameters(x), wi, wo), np.float64)[:, :channels]
+        parts = np.split(low + x * (high - low), np.cumsum(counts)[:-1])
+        parameters = {
+            name: np.broadcast_to(part, 3) if name in form.colours else float(part[0])
+            for name, part in zip(ranges, parts, strict=True)
+        }
+        return np.asarray(form.f(parameters, wi, wo), np.float64)[:, :channels]
 
     def residuals(x: np.ndarray) -> np.ndarray:
         f = evaluate(x, p.wi, p.wo)
         return ((np.log1p(np.maximum(f, 0) * p.wi[:, 2:]) - target) * weight).ravel()
 
     def jacobian(x: np.ndarray) -> np.ndarray:
-        here, columns = residuals(x), []
-        for i in range(len(x)):
-            moved = x.copy()
-            moved[i] += STEP if x[i] < 0.5 else -STEP
-            columns.append((residuals(moved) - here) / (moved[i] - x[i]))
-        return np.stack(columns, axis=1)
+        steps = np.diag(np.where(x < 0.5, STEP, -STEP))
+        moved = np.stack([residuals(x + step) for step in steps], axis=1)
+        return (moved - residuals(x)[:, None]) / np.diag(x + steps - x)
 
-    solutions = []
-    for guess in form.initial_guesses:
-        begin = np.concatenate(
-            [
-                np.full(channels if name in form.colours else 1, _share(guess, name, limits))
-                for name, limits in ranges.items()
-            ]
-        )
-        solutions.append(
-            least_squares(
-                residuals, begin, jacobian, (0, 1), max_nfev=EVALUATIONS, x_scale=0.1, ftol=1e-4
-            )
-        )
+    def begin(guess: dict[str, float]) -> np.ndarray:
+        """The initial place in the ranges, away from their ends."""
+        initial = {name: sum(limits) / 2 for name, limits in ranges.items()} | guess
+        return np.clip((np.repeat(list(initial.values()), counts) - low) / (high - low), 0.02, 0.98)
+
+    search = {"max_nfev": EVALUATIONS, "x_scale": 0.1, "ftol": 1e-4}
+    solutions = [
+        least_squares(residuals, begin(guess), jacobian, (0, 1), **search)
+        for guess in form.initial_guesses
+    ]
     return partial(evaluate, min(solutions, key=lambda solution: solution.cost).x)
-
-
-def _share(guess: dict[str, float], name: str, limits: tuple[float, float]) -> float:
-    """The place of an initial value in its range, away from both ends."""
-    low, high = limits
-    return float(np.clip((guess.get(name, (low + high) / 2) - low) / (high - low), 0.02, 0.98))
 
 
 @cache
