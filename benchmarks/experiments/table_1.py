@@ -6,9 +6,9 @@ materials are averaged over the exchange of wi and wo, because most methods are 
 stand-ins for MERL's favour NBRDF, because such networks made them.
 """
 
-import functools
 import math
 import time
+from functools import cache, partial
 from typing import Any
 
 import jax
@@ -52,7 +52,7 @@ TEXELS, BYTES = 4096**2, 4
 PAPER = {"Rainer 2019": "no", "Rainer 2020": "no", "NBRDF": "yes", "Fan 2022": "yes"}
 
 
-@functools.cache
+@cache
 def networks() -> rainer.Unified:
     """The shared networks of Rainer et al. 2020, trained once and kept."""
     path = PARTS / "rainer-2020-networks.npz"
@@ -106,19 +106,18 @@ def measure(subject: Subject | None, options: Options) -> Found:
             own = error("E", truth[name] + se, truth[name], wi, wo) if name == "E" else own
         else:
             truth[name] = subject.f(wi, wo)
-    found: Found = {"group": subject.group, "reference": float(f"{own:.3g}")}
+    found: Found = {"group": subject.group, "reference": own}
     original = None if walked else sphere.studio(subject.f)
     for method in METHODS:
         begin = time.process_time()
         model = represent(method, subject, options)
         seconds = time.process_time() - begin
-        values = {
+        found[method] = {
             name: error(name, model.f(*pair), truth[name], *pair) for name, pair in pairs.items()
         }
         if original is not None:
             shown = compare(sphere.studio(model.f), original, sphere.mask())
-            values |= {"PSNR": shown.psnr, "FLIP": shown.flip, "seconds": seconds}
-        found[method] = {name: float(f"{value:.4g}") for name, value in values.items()}
+            found[method] |= {"PSNR": shown.psnr, "FLIP": shown.flip, "seconds": seconds}
     return found
 
 
@@ -142,12 +141,9 @@ def evaluation() -> dict[str, float]:
     models["NBRDF"] = nbrdf.unpacked(rng.normal(0, 0.1, nbrdf.SIZE))
     models["Urushi"] = urushi.encode(urushi.coat(surface, 0.1, 1.5, 0.7, 1.0))
     pairs = direction_sets.cosine_pairs(rng, EVALUATED)
-    operations = {
-        name: functools.partial(timing.seconds, functools.partial(model.f, *pairs))
-        for name, model in models.items()
-    }
-    least = timing.least(operations, TURNS)
-    return {name: float(f"{1e6 * value / EVALUATED:.3g}") for name, value in least.items()}
+    calls = {name: partial(model.f, *pairs) for name, model in models.items()}
+    least = timing.least({k: partial(timing.seconds, call) for k, call in calls.items()}, TURNS)
+    return {name: 1e6 * value / EVALUATED for name, value in least.items()}
 
 
 def groups(found: Found) -> dict[str, list[Found]]:
@@ -192,14 +188,12 @@ def plot(found: Found, _: Pictures) -> Any:
 
 def storage() -> dict[str, tuple[int, int, str]]:
     """Numbers of a texel, of a decoder, and what one decoder serves, by method."""
-    decoders = [
-        size(rainer.decoder(np.random.default_rng(0), latent))
-        for latent in (rainer.LATENT_2019, rainer.LATENT_2020)
-    ]
+    old, new = rainer.LATENT_2019, rainer.LATENT_2020
+    decoders = [size(rainer.decoder(np.random.default_rng(0), latent)) for latent in (old, new)]
     own, evaluated = default_model(), paper.shapes(paper.EVALUATION).values()
     return {
-        "Rainer 2019": (rainer.LATENT_2019, decoders[0], "a texture"),
-        "Rainer 2020": (rainer.LATENT_2020, decoders[1], "all"),
+        "Rainer 2019": (old, decoders[0], "a texture"),
+        "Rainer 2020": (new, decoders[1], "all"),
         "NBRDF": (nbrdf.SIZE, 0, "a BRDF"),
         "Fan 2022": (3 * paper.LATENT, sum(map(math.prod, evaluated)), "all"),
         "Urushi": (3 * own.arch.latent, own.params["basis.rows"].size, "all"),
@@ -230,34 +224,30 @@ def _costs(found: Found) -> str:
 
 
 def _errors(found: Found, name: str) -> str:
+    members, by_method = groups(found), measured(found, name)
+    present = [group for group in members if any(group in by for by in by_method.values())]
+
     def short(value: float) -> str:
         return f"{float(f'{value:.2g}'):g}"
 
-    unit, members, by_method = ERRORS[name][1], groups(found), measured(found, name)
-    present = [group for group in members if any(group in by for by in by_method.values())]
-    rows = []
-    for method, by_group in by_method.items():
-        cells = [method]
-        for group in present:
-            values = by_group.get(group)
-            if values is None:
-                cells.append("")
-            else:
-                low, high = interval(values)
-                cells.append(f"{short(values.mean())} ({short(low)}–{short(high)})")
-        rows.append(cells)
+    def cell(values: np.ndarray) -> str:
+        low, high = map(short, interval(values))
+        return f"{short(values.mean())} ({low}–{high})"
+
+    rows = [
+        [method, *(cell(by_group[group]) if group in by_group else "" for group in present)]
+        for method, by_group in by_method.items()
+    ]
     if name == "E":
         own = [100 * np.mean([case["reference"] for case in members[group]]) for group in present]
         rows.append(["the reference's noise", *map(short, own)])
     heads = [f"{group} ({len(members[group])})" for group in present]
-    return table([f"{name} [{unit}]", *heads], rows)
+    return table([f"{name} [{ERRORS[name][1]}]", *heads], rows)
 
 
 EXPERIMENT = Experiment(
-    cases=lambda options: {"evaluation": None} | {s.name: s for s in subjects(options)},
-    measure=measure,
-    tables=tables,
-    plot=plot,
+    lambda options: {"evaluation": None} | {s.name: s for s in subjects(options)},
+    *(tables, measure, plot),
     models=NETWORKS,
     minutes=45,
 )

@@ -115,7 +115,7 @@ def best(f: Brdf, lobes: int) -> GgxFit:
     """
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(2), 2048)
     truth, cosines = np.asarray(f(wi, wo), np.float64), (wi[:, 2], wo[:, 2])
-    values = f(*pairs())
+    values = f(*pairs()[:2])
     fits = [
         fit(lambda *_: values, n, *how)
         for n in range(1, lobes + 1)
@@ -138,9 +138,9 @@ def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> Ggx
         loss: a name in `LOSSES`.
         measure: see `MEASURES`.
     """
-    (wi, wo), compared = pairs(), LOSSES[loss]
+    (wi, wo, angles), compared = pairs(), LOSSES[loss]
     values = np.broadcast_to(np.asarray(f(wi, wo), np.float64), (len(wi), 3))
-    weight, cosine = solid_angles()[:, None] ** (measure / 2), wi[:, 2:].astype(np.float64)
+    weight, cosine = angles[:, None] ** (measure / 2), wi[:, 2:].astype(np.float64)
     weight = weight / weight.mean()
     target = compared(values * cosine)
     bounds = np.array([WEIGHTS] * 3 + [np.log(ALPHAS), F0, *[WEIGHTS] * 3] * lobes).T
@@ -168,7 +168,7 @@ def _model(x: np.ndarray) -> GgxFit:
 
 def _initial(alphas: tuple[float, ...], values: np.ndarray) -> np.ndarray:
     """Parameters of the given widths, f0 = 0.2, and the weights of least relative error."""
-    lobes, f0 = [grey(alpha, 0.2, *pairs()) for alpha in alphas], np.log(0.2 / 0.8)
+    lobes, f0 = [grey(alpha, 0.2, *pairs()[:2]) for alpha in alphas], np.log(0.2 / 0.8)
     columns = np.stack([np.full(len(values), 1 / np.pi), *lobes], axis=1)
     weights = []
     for value in values.T:
@@ -179,19 +179,13 @@ def _initial(alphas: tuple[float, ...], values: np.ndarray) -> np.ndarray:
     return np.concatenate([diffuse, *parts])
 
 
-def pairs() -> tuple[np.ndarray, np.ndarray]:
-    """The pairs (N, 3) that are fitted: a grid of Rusinkiewicz's angles, above the horizon."""
-    wi, wo, _ = _grid()
-    return wi, wo
-
-
-def solid_angles() -> np.ndarray:
-    """Weights of the fitted pairs (N,): solid angles times cosines, up to a factor."""
-    return _grid()[2]
-
-
 @cache
-def _grid() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def pairs() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The pairs (N, 3) that are fitted, a grid of Rusinkiewicz's angles above the horizon.
+
+    Returns:
+        wi, wo and weights (N,): solid angles times cosines, up to a factor.
+    """
     half, difference, turn = ((np.arange(n) + 0.5) / n for n in ANGLES)
     grid = np.meshgrid(half**2 * (np.pi / 2), difference * (np.pi / 2), turn * np.pi, indexing="ij")
     theta_h, theta_d, phi_d = (angle.ravel() for angle in grid)

@@ -40,10 +40,10 @@ class Pairs(NamedTuple):
 def pairs() -> Pairs:
     """The pairs of `principled` and of the recipe."""
     rng = np.random.default_rng(0)
-    chosen = rng.permutation(len(ggx_fit.solid_angles()))[:PAIRS]
+    chosen = rng.permutation(len(ggx_fit.pairs()[2]))[:PAIRS]
+    *sides, weight = (column[chosen] for column in ggx_fit.pairs())
     turn = rng.uniform(0, 2 * np.pi, PAIRS)
-    wi, wo = (turned(w[chosen], turn).astype(np.float32) for w in ggx_fit.pairs())
-    weight = ggx_fit.solid_angles()[chosen]
+    wi, wo = (turned(w, turn).astype(np.float32) for w in sides)
     return Pairs(wi, wo, weight / weight.mean())
 
 
