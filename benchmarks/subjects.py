@@ -98,10 +98,10 @@ def training_set(
     for half, distribution in enumerate((Table2(1), Extended(0, "mixture"))):
         table = coloured(distribution, rng, materials)
         at = slice(half * materials, (half + 1) * materials)
-        own = [np.repeat(w[at], 3, axis=0) for w in (wi, wo)]
+        own_wi, own_wo = (np.repeat(w[at], 3, axis=0) for w in (wi, wo))
         if table.coats:
-            found = samples.walk_all(table, *own, walks, seed)[0]
+            found = samples.walk_all(table, own_wi, own_wo, walks, seed)[0]
         else:
-            found = samples.evaluate_bottoms(table, *own)
+            found = samples.evaluate_bottoms(table, own_wi, own_wo)
         values.append(found.reshape(materials, 3, pairs).transpose(0, 2, 1))
     return wi, wo, np.concatenate(values)

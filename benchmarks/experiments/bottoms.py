@@ -115,8 +115,9 @@ def albedo_errors(walk: "mi.BSDF", neural: "mi.BSDF") -> np.ndarray:
 def pair_errors(walk: "mi.BSDF", neural: "mi.BSDF") -> np.ndarray:
     """E (3,) without the walk's noise."""
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(1), PAIRS)
-    many, number = (np.tile(w, (REPEATS, 1)) for w in (wi, wo)), np.arange(REPEATS)
-    values = bsdf_values(walk, *many, np.repeat(np.float32(number), PAIRS))
+    many_wi, many_wo = (np.tile(w, (REPEATS, 1)) for w in (wi, wo))
+    number = np.repeat(np.arange(REPEATS, dtype=np.float32), PAIRS)
+    values = bsdf_values(walk, many_wi, many_wo, number)
     halves = values.reshape(2, -1, PAIRS, 3).mean(axis=1)
     f, f_hat = halves.mean(axis=0), bsdf_values(neural, wi, wo)
     cosines = wi[:, 2], wo[:, 2]

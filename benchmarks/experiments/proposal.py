@@ -98,7 +98,7 @@ def measure(_: None, options: Options) -> Found:
         gaussian = np.maximum(density(best_gaussian(drawn), drawn), 1e-12)
         densities = (drawn.pdf, gaussian, drawn.wo[..., 2] / math.pi)
         rows.append([(variation(drawn, q), (drawn.f_cos / q).max(axis=1)) for q in densities])
-    values = np.moveaxis(rows, 0, 2)  # (proposals, 2, M, A)
+    values = np.moveaxis(np.array(rows), 0, 2)  # (proposals, 2, M, A)
     return {
         name: {
             "quantiles": np.quantile(cv, SHARES),

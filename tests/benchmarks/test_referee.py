@@ -1,4 +1,4 @@
-"""The referee's pairs and mappings, the reference values, and the formulas of coats."""
+"""The referee's pairs and mappings, reference values for other renderers, and formulas of coats."""
 
 import csv
 import json
@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from benchmarks import experiment, layering_values
+from benchmarks import conformance, experiment, layering_values
 from benchmarks.experiments import coat_roughness, referee
 from benchmarks.measures import channel_errors
 from benchmarks.referee import materials, methods
@@ -122,3 +122,21 @@ def test_tiles_of_cycles_show_the_brdf():
     f, white = np.split(methods.in_blender((stack,))[stack], [-3])
     np.testing.assert_allclose(f * np.pi, np.tile((0.5, 0.4, 0.3), (len(f), 1)), atol=1e-3)
     np.testing.assert_allclose(white, np.tile((0.5, 0.4, 0.3), (3, 1)), atol=1e-3)
+
+
+def test_wrong_values_are_refused():
+    reference = conformance.read()
+    with pytest.raises(ParameterError, match="give one of \\(40, 300, 3\\)"):
+        conformance.errors(reference.f[:3], reference)
+    with pytest.raises(ParameterError, match="must be finite"):
+        conformance.errors(np.full(reference.f.shape, np.nan), reference)
+
+
+def test_values_of_another_renderer_are_compared(tmp_path, capsys):
+    """All 25 % too bright: every line has an E and an albedo's error of 25 %."""
+    path = tmp_path / "mine.npz"
+    np.savez(path, f=1.25 * conformance.read().f)
+    conformance.main(["--values", str(path)])
+    lines = capsys.readouterr().out.splitlines()
+    assert " mine " in lines[0] and len(lines) == 2 + 40 + 2
+    assert all("| 25.00 / +25.0 |" in line for line in lines[2:42])
