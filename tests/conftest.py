@@ -224,9 +224,11 @@ def spectral(rgb):
 @pytest.fixture
 def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Coats with textures by few points of transport, for what does not depend on their number."""
-    from urushi.textures import baking
+    from urushi.textures import point_codes
 
-    monkeypatch.setattr(baking, "POINTS", {1: (5, 8, 12, 24, 48, 96), 2: (3, 6, 10, 20, 30, 40)})
+    monkeypatch.setattr(
+        point_codes, "POINTS", {1: (5, 8, 12, 24, 48, 96), 2: (3, 6, 10, 20, 30, 40)}
+    )
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

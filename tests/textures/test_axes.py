@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.core.namespace import NUMPY
-from urushi.textures import axes, baking
+from urushi.textures import axes, point_codes
 from urushi.textures.axes import Axis
 from urushi.textures.interpolation import interpolant, points
 
@@ -69,5 +69,5 @@ def test_slopes_of_quadratics_are_exact():
     """Between and at the ends of three places."""
     places = np.sort(np.random.default_rng(0).random((30, 3)), axis=1)
     at = np.where(np.arange(30) % 2, places[:, 0], places.mean(axis=1))
-    found = np.sum(baking.slope_weights(places, at) * (2 * places**2 - 3 * places + 1), axis=1)
+    found = np.sum(point_codes.slope_weights(places, at) * (2 * places**2 - 3 * places + 1), axis=1)
     np.testing.assert_allclose(found, 4 * at - 3, atol=1e-8)

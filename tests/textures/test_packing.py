@@ -115,11 +115,11 @@ def test_principal_numbers_give_the_f_of_codes_by_fewer_functions(model, lacquer
     codes = lacquers(256)
     assert projected(model, codes)[0].shape[1] < model.arch.functions
     found = errors(model, codes)
-    assert found.mean() < 2e-3
-    assert found.max() < 1e-2
+    assert found.mean() < 3e-3
+    assert found.max() < 3e-2
     codes = np.repeat(codes[:1], 1000, axis=0)
     codes[123] = lacquers(7)[5]
-    assert errors(model, codes).max() < 1e-2
+    assert errors(model, codes).max() < 3e-2
 
 
 def test_unlike_materials_keep_their_codes(model):

@@ -42,6 +42,7 @@ ROUNDS = 4
 
 def rest_at_nodes(
     below: Substrate,
+    channels: np.ndarray,
     interfaces: np.ndarray,
     media: np.ndarray,
     factor: np.ndarray,
@@ -51,13 +52,12 @@ def rest_at_nodes(
     """f divided by a factor, float32 (N, C), at the nodes of coats over a substrate.
 
     Args:
+        channels: (C,) of the substrate.
         interfaces, media, points: as of `coated_values`; a slab has `SLAB_POINTS`.
-        below: of C channels or of one.
         factor: (N, C) or (N, 1) with f's edges, so that the quotient is smooth between the nodes.
         knots: of the table, for slabs; edges of total reflection are there.
     """
-    count = media.shape[1]
-    channels = np.broadcast_to(np.arange(below.channels), count)
+    count = len(channels)
     every, rows = node_pairs(knots), np.ix_(*known_nodes(knots))
     result = np.empty((len(every[0]), count), np.float32)
 
@@ -95,10 +95,10 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
         return lobes.f(own, wi[:, None].astype(np.float64), wo[:, None].astype(np.float64))
 
     below = of_material(bottom)
-    *columns, _ = np.broadcast_arrays(*coat, np.arange(below.channels))
+    *columns, channels = np.broadcast_arrays(*coat, np.arange(below.channels))
     parameters = np.stack(columns).astype(np.float64)
     passed = passed_twice(CoatParameters(*parameters), *node_pairs())
-    rest = rest_at_nodes(below, parameters[:2], parameters[2:], passed)
+    rest = rest_at_nodes(below, channels, parameters[:2], parameters[2:], passed)
     of_rest = _albedos_of_values(rest, lobe)
     of_top = adding.albedos(top, LIMITED_COSINES)
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)

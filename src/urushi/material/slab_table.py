@@ -294,7 +294,7 @@ def _reflected(layers: Layers, every: list[Shares]) -> tuple[Reflected, list[OnG
             factor = mirrored_inside(a, b, inner, NUMPY).astype(np.float32).reshape(SHAPE)
             insides.insert(0, inside)
             media = layers.media[level].reshape(-1, channels)
-            columns = np.stack([alpha, eta]), media, factor.reshape(-1, 1)
+            columns = np.arange(channels), np.stack([alpha, eta]), media, factor.reshape(-1, 1)
             rest = rest_at_nodes(own, *columns, SLAB_POINTS, knots)
             logs = np.log(np.maximum(rest.reshape(logs.shape), 1e-30))
             angles = [np.arccos(w[:, 2]) for w in node_pairs(knots)]

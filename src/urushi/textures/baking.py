@@ -11,24 +11,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.checks import CoatParameters
 from urushi.core.namespace import Namespace
 from urushi.core.stretched import rounded
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.energy import MARGIN, limit_albedo, nearest_within
-from urushi.nets import lobe as lobes
 from urushi.nets import transmittance
 from urushi.nets.weights import Model
 from urushi.textures.axes import LINEAR, Axis, Changes, nearest, simplex
-from urushi.textures.interpolation import interpolant, points
+from urushi.textures.interpolation import interpolant
+from urushi.textures.point_codes import FAINT, SPARSE, PointCodes, Rows, slope_weights
 from urushi.textures.store import TexelGrid
-
-#: Points of transport by the number of axes, of one width and of two; a point of two widths takes
-#: much longer.
-POINTS = {1: (32, 128, 256, 384, 512, 512), 2: (24, 64, 112, 144, 176, 192)}
-
-#: Most axes.
-AXES = len(POINTS[1])
 
 #: Numbers of nodes of an axis, and the most nodes of all axes together: their codes fit into the
 #: caches of a processor.
@@ -43,19 +35,12 @@ LINES, STEPS = 32, 32
 #: Step of the differences by which slopes are found, in coordinates.
 DIFFERENCE = 0.04
 
-#: Slopes of constants change slowly along axes: they are computed at every fourth point.
-SPARSE = 4
-
-#: [1/sr] Added to g (`nets.transmittance`) in codes along axes, and subtracted again where they are
-#: evaluated: the logarithm of a rest that becomes black would have no bound. A Lambertian surface
-#: of `axes.DARK` under a coat has about as much, so that codes are linear in its coordinate.
-FAINT = 1e-3
-
 
 class Baked(NamedTuple):
     """Codes of a material at the nodes of its axes; C is one if all channels are alike."""
 
     model: Model
+    extended: Model  # with functions of the material, in which codes are
     axes: tuple[Axis, ...]
     shape: tuple[int, ...]  # number of nodes along each axis
     lobes: np.ndarray  # float32 (C, N, M) of the codes, the last axis the fastest; C maybe one
@@ -72,7 +57,7 @@ class Baked(NamedTuple):
         codes = np.moveaxis(codes[:, :1] if (codes == codes[:, :1]).all() else codes, 1, 0)
         lobes, rests = np.split(codes, [model.arch.lobe], axis=-1)
         axes = tuple(Axis(name, LINEAR, 0.0, 1.0) for name in ("v", "u"))
-        return cls(model, axes, (grid.height, grid.width), lobes, rests, grid=grid)
+        return cls(model, model, axes, (grid.height, grid.width), lobes, rests, grid=grid)
 
     @property
     def channels(self) -> int:
@@ -91,22 +76,10 @@ class Baked(NamedTuple):
         return simplex(self.shape, coordinates, index, xp)
 
 
-def slope_weights(places: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Weights (k, 3) of values at places (k, 3): the slope at `at` (k,) of a quadratic.
-
-    At the end of a range, where all places are on one side, it is as accurate as a difference of
-    both sides is elsewhere.
-    """
-    others = places[:, [[1, 2], [0, 2], [0, 1]]]  # of each place, the two others
-    sums = 2 * at[:, None] - others.sum(axis=-1)
-    return sums / np.prod(places[:, :, None] - others, axis=-1)
-
-
 def bake(
     model: Model,
     axes: Sequence[Axis],
-    coats: Callable[[np.ndarray], CoatParameters],
-    transported: Callable[[np.ndarray], np.ndarray],
+    rows: Rows,
     constants: Mapping[str, Changes],
 ) -> Baked:
     """The codes at nodes of the axes, at most `AXES` of them.
@@ -114,37 +87,11 @@ def bake(
     Args:
         model: of the codes.
         axes: along which the material varies.
-        coats: from values (k, d) along the axes, and then changes of constants, to the coats,
-            arrays (C, k); C is 1 if all channels are alike at the same values.
-        transported: from the same to f (C, k, P) [1/sr] of the coated material at the probe pairs
-            by light transport, without the lobe of the coat.
+        rows: the coated material.
         constants: changes of each constant whose slopes are wanted, too.
     """
-    own, ends = tuple(axes), list(constants.values())
-    size, rest = model.arch.lobe, model.arch.rest
-
-    def values(x: np.ndarray, changes: Sequence[float] = ()) -> np.ndarray:
-        columns = [a.values(column) for a, column in zip(own, x.T, strict=True)]
-        columns += [np.full(len(x), change) for change in changes or np.zeros(len(ends))]
-        return np.stack(columns, axis=1)
-
-    def lobes_at(x: np.ndarray, changes: Sequence[float] = ()) -> np.ndarray:
-        alpha, eta, *_ = coats(values(x, changes))
-        return np.asarray(lobes.of_coat(alpha, eta)[0], np.float32)
-
-    def found(x: np.ndarray, *ways: Sequence[float]) -> np.ndarray:
-        """Rests (k, C, n, K) at coordinates (k, d) after n changes of constants.
-
-        Codes of a place have the same stretch, so that their differences are those of f: stretches
-        are rounded.
-        """
-        f = np.stack([transported(values(x, way)) for way in ways], axis=-2)
-        tops = np.stack([lobes_at(x, way) for way in ways], axis=-2)
-        passed = transmittance.both_ways(tops[..., None, :], *model.networks.pairs())
-        return np.moveaxis(model.networks.encode_rest(f / passed + FAINT, tops)[..., size:], 0, 1)
-
-    x = points(len(own), POINTS[model.widths][len(own) - 1]) if own else np.zeros((1, 0))
-    norm = model.networks.basis.norm
+    own, found = tuple(axes), PointCodes(model, axes, rows, constants)
+    extended, norm = found.extended, found.extended.networks.basis.norm
 
     def limited(
         x: np.ndarray,
@@ -155,26 +102,26 @@ def bake(
 
         Albedos are those of rounded stretches: each stretch has functions of its own.
         """
-        tops = lobes_at(x)
-        whole = np.broadcast_to(tops, (*rests.shape[:2], size))
+        tops = found.lobes(x)
+        whole = np.broadcast_to(tops, (*rests.shape[:2], tops.shape[-1]))
         codes = np.concatenate([whole, rests], axis=-1, dtype=np.float32)
         if model.widths == 2:
             codes[..., -1] = rounded(codes[..., -1])
         directions = albedo_rule(model.widths).directions
         # No light is added by what `FAINT` adds, of at most this albedo.
         faint = np.pi * FAINT * transmittance.of_lobe(tops[:, None], directions)
-        changes = limit(model, codes, 1 - MARGIN + faint) - codes
-        return rests + changes[..., size:]
+        changes = limit(extended, codes, 1 - MARGIN + faint) - codes
+        return rests + changes[..., tops.shape[-1] :]
 
-    fitted = np.moveaxis(found(x, ())[:, :, 0], 0, 1)
     # A fit that is too bright at grazing angles would be scaled down at all others as well.
-    smooth = interpolant(x, np.moveaxis(limited(x, fitted, nearest_within), 0, 1), norm)
+    fitted = limited(found.x, found.rests, nearest_within)
+    smooth = interpolant(found.x, np.moveaxis(fitted, 1, 0), norm)
 
     def rests_at(x: np.ndarray) -> np.ndarray:
         """Rests (C, k, K) at coordinates (k, d)."""
         return limited(x, np.moveaxis(smooth(x), 1, 0), limit_albedo)
 
-    shape = node_counts(model, rests_at, len(own))
+    shape = node_counts(extended, rests_at, len(own))
     nodes = np.array([*np.ndindex(*shape)], float) / (np.array(shape) - 1.0)
 
     def slopes() -> np.ndarray:
@@ -185,20 +132,16 @@ def bake(
             beside[..., k] = middle[:, None] + np.array([-1, 0, 1]) * DIFFERENCE
             weights = slope_weights(axis.values(beside[..., k]), axis.values(nodes[:, k]))
             rests = rests_at(beside.reshape(-1, len(own)))
-            parts.append(
-                np.einsum("kn,cknj->ckj", weights, rests.reshape(-1, *weights.shape, rest))
-            )
-        some = x[::SPARSE]
-        for changes, unit in zip(ends, np.eye(len(ends)), strict=True):
-            weights = slope_weights(np.array([changes]), np.zeros(1))[0]
-            used = np.flatnonzero(weights)
-            rests = found(some, *([*(unit * changes[i])] for i in used))
-            change = np.einsum("n,kcnj->kcj", weights[used], rests)
-            parts.append(np.moveaxis(interpolant(some, change, norm)(nodes), 1, 0))
+            rests = rests.reshape(len(rests), *weights.shape, -1)
+            parts.append(np.einsum("kn,cknj->ckj", weights, rests))
+        for slope in found.slopes:
+            smooth_slope = interpolant(found.x[::SPARSE], np.moveaxis(slope, 1, 0), norm)
+            parts.append(np.moveaxis(smooth_slope(nodes), 1, 0))
         return np.stack(parts, axis=2).astype(np.float32)
 
-    tops, rests = lobes_at(nodes)[None], rests_at(nodes)
-    return Baked(model, own, shape, tops, rests, FAINT, constants=(*constants,), slopes=slopes)
+    tops, rests = found.lobes(nodes)[None], rests_at(nodes)
+    names = (*constants,)
+    return Baked(model, extended, own, shape, tops, rests, FAINT, constants=names, slopes=slopes)
 
 
 def node_counts(

@@ -17,10 +17,10 @@ from urushi.nets.basis import Basis
 from urushi.nets.weights import Model
 
 #: Numbers of functions that are tried. With the mean they fill packets.
-COUNTS = 3, 7, 11, 15
+COUNTS = 3, 7, 11, 15, 23
 
 #: Errors of f at the probe pairs: their mean over a material, and the largest one.
-MEAN_ERROR, LARGEST_ERROR = 7e-4, 1e-2
+MEAN_ERROR, LARGEST_ERROR = 2e-3, 2e-2
 
 #: Codes by which the errors are measured, evenly spaced, and those that are represented worst.
 SAMPLE, WORST = 256, 64

@@ -68,7 +68,7 @@ CASES = {
     "plain numbers": (
         plain_numbers, {"bottom.brdf_0.alpha": 0.02, "bottom.brdf_0.eta": 0.01}, 0.01,
     ),
-    "indices": (two_coats, {"eta": 0.04, "bottom.eta": 0.04}, 0.05),
+    "indices": (two_coats, {"eta": 0.02, "bottom.eta": 0.02}, 0.05),
     "two widths": (
         two_widths,
         {"alpha_u.value": 0.01, "alpha_v.value": 0.01, "rotation.value": 0.05}

@@ -33,6 +33,12 @@ def loaded(path, networks):
     return mi.load_dict({"type": "neural_brdf", "filename": str(path), "weights": str(networks)})
 
 
+@pytest.fixture(scope="session")
+def networks():
+    """The shipped weights, whose codes are near f of the plugin, which has functions of its own."""
+    return weights.SHIPPED / "default.safetensors"
+
+
 @pytest.fixture(scope="module")
 def baked(networks, tmp_path_factory):
     """A baked texture and its file, for all tests."""

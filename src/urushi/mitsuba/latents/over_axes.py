@@ -23,9 +23,9 @@ from urushi.mitsuba.latents.proposal import CodeProposals
 from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.tables import Numbers
 from urushi.nets import proposal
-from urushi.nets.weights import Model
 from urushi.textures.axes import LINEAR, Axis, Varying, nearest, simplex, whole_numbers
-from urushi.textures.baking import FAINT, Baked
+from urushi.textures.baking import Baked
+from urushi.textures.point_codes import FAINT
 from urushi.textures.principal import projection_of
 from urushi.textures.store import TexelGrid
 
@@ -72,7 +72,7 @@ class AxisLatents(EvaluatedCodes):
 
     def _store(self) -> None:
         """Store the numbers at the nodes in Dr.Jit's memory."""
-        model, tops, rests = self.model, self.baked.lobes, self.baked.rests
+        model, tops, rests = self.baked.extended, self.baked.lobes, self.baked.rests
         functions, changes = None, self._changes
         terms = proposal.code_terms(model.params, rests.mean(axis=0))
         if model.widths == 2:
@@ -208,7 +208,7 @@ class AxisLatents(EvaluatedCodes):
         ]
         at_nodes = np.concatenate([_of(baked.lobes, channel), _of(baked.rests, channel)], axis=-1)
         found = sum(weight * at_nodes[node] for node, weight in nodes)
-        codes = np.broadcast_to(found, (count, self.model.arch.latent)).astype(np.float32)
+        codes = np.broadcast_to(found, (count, found.shape[-1])).astype(np.float32)
         for axis in baked.axes:
             for place in self._places.get(axis.name, ()):
                 codes[:, place] = np.clip(values[axis.name], axis.least, axis.most)
@@ -225,7 +225,7 @@ class AxisLatents(EvaluatedCodes):
         """Codes (M, C, L) at points uv (M, 2), seen from above."""
         values = {x.axis.name: spectrum.channels_at(uv, x.read) for x in self.varying}
         codes = np.moveaxis(self.codes(values, self.channels), 0, 1)
-        return without_faint(self.model, codes) if self.baked.faint else codes
+        return without_faint(self.baked, codes) if self.baked.faint else codes
 
     def __str__(self) -> str:
         sides = " x ".join(map(str, self.baked.shape))
@@ -240,12 +240,12 @@ def _of(parts: Any, channel: int) -> Any:
     return parts[min(channel, len(parts) - 1)]
 
 
-def without_faint(model: Model, codes: np.ndarray) -> np.ndarray:
-    """Codes (..., L) whose g has `FAINT` less."""
-    flat, own = codes.reshape(-1, codes.shape[-1]), model.networks
+def without_faint(baked: Baked, codes: np.ndarray) -> np.ndarray:
+    """Codes (..., L) of `Baked.model` whose g has `FAINT` less than that of codes along axes."""
+    flat, own, found = codes.reshape(-1, codes.shape[-1]), baked.extended.networks, baked.model
     rests = np.maximum(own.g_at_all(flat, own.basis.probe_rows) - FAINT, 0)
-    found = own.encode_rest(rests[:, None], flat[:, None, : model.arch.lobe])
-    return found.reshape(codes.shape)
+    result = found.networks.encode_rest(rests[:, None], flat[:, None, : found.arch.lobe])
+    return result.reshape(*codes.shape[:-1], -1)
 
 
 def texel_axes(grid: TexelGrid) -> list[Varying]:

@@ -21,9 +21,6 @@ from urushi.nets.lobe import with_two_widths
 from urushi.nets.transmittance import remainder, table_beside
 from urushi.nets.weights import Model
 
-#: Width below which a lobe stays beside the table of a bottom, which is too coarse for it.
-NARROW = 0.0225
-
 
 @dataclass(frozen=True)
 class Layer:
@@ -68,15 +65,12 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
     material, deviations = encode_source(source, model, name=name)
     for sentence in deviations.warnings():
         mi.Log(mi.LogLevel.Warn, f"{where}: {sentence}")
-    exact = known_surface(bottom).table_source() if model.widths == 1 else None
-    if exact is not None:
-        opened = reflection_source(exact)
+    if model.widths == 1 and source.lobe is not None and not source.bare:
+        opened = reflection_source(known_surface(bottom).table_source() or bottom)
         checked = opened._replace(f=lambda wi, wo: probing.check_values(opened.f(wi, wo), where))
-        f = symmetrise(checked, *node_pairs())[0]
         lobe = material.latents[:, : model.arch.lobe]
-        narrow = source.lobe is not None and bool((lobe[:, 0] < NARROW).any())
-        table = table_beside(f, lobe) if narrow else table_of_values(f)
-        material = replace(material, table=table, beside_lobe=narrow)
+        table = table_beside(symmetrise(checked, *node_pairs())[0], lobe)
+        material = replace(material, table=table, beside_lobe=True)
     return material
 
 

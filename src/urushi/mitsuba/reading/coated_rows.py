@@ -9,7 +9,11 @@ import numpy as np
 from urushi import checks
 from urushi.checks import MIN_ALPHA, MIN_INDEX_STEP, CoatParameters
 from urushi.core.microfacet import of_widths
+from urushi.core.table import node_pairs
+from urushi.material.coated_table import rest_at_nodes
+from urushi.material.coated_values import passed_twice
 from urushi.material.layer import check_ratios
+from urushi.material.substrate import Substrate
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.bottoms import Layer
 from urushi.mitsuba.reading.grid import within
@@ -74,7 +78,7 @@ class CoatedRows:
         return named
 
     def coats(self, values: np.ndarray) -> CoatParameters:
-        """The coats, arrays (C, k), see `textures.baking.bake`."""
+        """The coats, arrays (C, k), see `textures.point_codes.Rows`."""
         alpha, *others = self._columns(self._named(values), len(values))
         if self._layer.coat.is_anisotropic:
             return CoatParameters(checks.Widths(alpha, others[0]), *others[1:])
@@ -101,14 +105,27 @@ class CoatedRows:
         return columns
 
     def transported(self, values: np.ndarray) -> np.ndarray:
-        """f (C, k, P) [1/sr] without the lobe of the coat, see `textures.baking.bake`."""
-        model, coat = self._model, self.coats(values)
-        below, places = self._bottoms.substrate(self._named(values), self._channels)
-        check_ratios(model, below.reflector.lobe, coat)
+        """f (C, k, P) [1/sr] without the lobe of the coat, see `textures.point_codes.Rows`."""
+        below, places, coat = self._coated(values)
         flat = CoatParameters(of_widths(np.ravel, coat.alpha), *map(np.ravel, coat[1:]))
-        places = np.broadcast_to(places, (self._channels, len(values)))
-        f = transported_rests(model, below, places.ravel(), flat)
-        return f.reshape(self._channels, len(values), -1)
+        return transported_rests(self._model, below, places.ravel(), flat).reshape(
+            *places.shape, -1
+        )
+
+    def tables(self, values: np.ndarray, channels: np.ndarray) -> np.ndarray:
+        """g (k, N) [1/sr] of channels (k,) at the nodes, see `textures.point_codes.Rows`."""
+        below, places, coat = self._coated(values)
+        at = channels, np.arange(len(channels))
+        own = CoatParameters(*(x[at] for x in coat))
+        factor = passed_twice(own, *node_pairs())
+        return rest_at_nodes(below, places[at], np.stack(own[:2]), np.stack(own[2:]), factor).T
+
+    def _coated(self, values: np.ndarray) -> tuple[Substrate, np.ndarray, CoatParameters]:
+        """The bottoms, the place of each (C, k), and its coat, arrays (C, k)."""
+        coat = self.coats(values)
+        below, places = self._bottoms.substrate(self._named(values), self._channels)
+        check_ratios(self._model, below.reflector.lobe, coat)
+        return below, np.broadcast_to(places, (self._channels, len(values))), coat
 
 
 def wavelength_ends(layer: Layer) -> tuple[float, float]:

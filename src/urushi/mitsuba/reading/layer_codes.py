@@ -28,9 +28,10 @@ from urushi.mitsuba.reading.varying import agree, joined, varying_parameters
 from urushi.mitsuba.snapshot import has_gradients, writable
 from urushi.nets.weights import Model
 from urushi.textures.axes import Varying
-from urushi.textures.baking import AXES, Baked, bake
+from urushi.textures.baking import Baked, bake
 from urushi.textures.layering import layer_rows
 from urushi.textures.packing import Texture
+from urushi.textures.point_codes import AXES
 from urushi.textures.store import ONE_TEXEL, TexelGrid
 
 #: Texels per side of what is no bitmap, the least and the largest side that is chosen, and texels
@@ -164,7 +165,7 @@ class Baker:
             return None
         changes = {x.axis.name: x.changes for x in constants if x.changes is not None}
         axes = [x.axis for x in rows.varying]
-        baked = bake(self.model, axes, rows.coats, rows.transported, changes)
+        baked = bake(self.model, axes, rows, changes)
         latents = AxisLatents(baked, [*rows.varying, *constants])
         self._last = described, latents
         return latents

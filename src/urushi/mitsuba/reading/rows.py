@@ -33,8 +33,8 @@ from urushi.mitsuba.reading.textures import derived
 from urushi.mitsuba.reading.varying import BOTTOM, INSIDE, NANOMETRES, WAVELENGTH
 from urushi.nets.weights import Model
 from urushi.textures.axes import Varying
-from urushi.textures.baking import FAINT
 from urushi.textures.layering import different
+from urushi.textures.point_codes import FAINT
 
 #: Bottoms whose tables are computed at once: bounds memory.
 BLOCK = 48
@@ -75,9 +75,10 @@ class NestedRows:
             for name, x in values.items()
             if name.startswith(BOTTOM) or name == WAVELENGTH
         }
-        codes, model = self._latents.codes(own), self._latents.model
+        codes, baked = self._latents.codes(own), self._latents.baked
+        model = baked.extended
         if model.widths == 2:
-            return different(model, without_faint(model, codes))
+            return different(model, without_faint(baked, codes))
         flat, shape = codes.reshape(-1, codes.shape[-1]), codes.shape[:2]
         logs = model.networks.table(flat)
         assert logs is not None  # g is at least `FAINT`
