@@ -4,7 +4,7 @@ The materials are those of constants, which have tables by light transport.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from benchmarks.evaluation import predict
@@ -91,15 +91,11 @@ def albedo_excess(
     sets: Mapping[str, Samples], materials: Mapping[str, list[Material]]
 ) -> list[Figure]:
     """Largest excess of the directional albedo over the reference's, and its mean error."""
-    excess, noise = [], []
-    for name, group in materials.items():
-        albedo, se = sets[name].albedo, sets[name].albedo_se
-        if albedo is not None and se is not None:
-            excess.append((_albedo(group[: len(albedo)]) - albedo).ravel())
-            noise.append(se.ravel())
-    if not excess:
+    known = {name: group for name, group in materials.items() if sets[name].albedo is not None}
+    if not known:
         return []
-    above, error = np.concatenate(excess), np.concatenate(noise)
+    excess = [_albedo(g[: len(sets[name].albedo)]) - sets[name].albedo for name, g in known.items()]
+    above, error = np.concatenate(excess), np.concatenate([sets[name].albedo_se for name in known])
     beyond = float((above - 2 * error).max())
     return [
         Figure("albedo above the reference, beyond its noise (2 se)", 100 * beyond, "%", 0.5),
@@ -114,28 +110,22 @@ def white_albedo(model: Model) -> Figure:
     for coats in WHITE_COATS:
         for kind, whitest in (("conductor", "r0"), ("diffuse", "reflectance")):
             group = Group(f"white {kind} {coats}", Extended(coats, kind), WHITE_STACKS)
-            table = sampling.draw_stacks(group)
-            table.albedo[:], table.bottom[whitest][:] = 1, 1
-            wi, wo = sampling.draw_pairs(group)
-            nothing = np.zeros(wi.shape[:2], np.float32)
-            white = Samples(table, wi, wo, nothing, nothing)
-            largest = max(
-                largest, float(_albedo(predict.materials(model, white, how="table")).max())
-            )
+            white = sampling.unsimulated(group)
+            white.table.albedo[:], white.table.bottom[whitest][:] = 1, 1
+            albedo = _albedo(predict.materials(model, white, how="table"))
+            largest = max(largest, float(albedo.max()))
     return Figure("largest albedo of stacks that absorb nothing", 100 * largest, "%", 100)
 
 
 def vanishing_coat(model: Model, sets: Mapping[str, Samples]) -> Figure:
     """Mean E between bare bottoms and these bottoms under the `VANISHING` coat."""
-    errors = []
-    for samples in sets.values():
-        if samples.table.coats:
-            continue
+    errors = [0.0]
+    for samples in (samples for samples in sets.values() if not samples.table.coats):
         bottoms = predict.material(model, samples, how="table")
         coated = predict.split(layer_material(VANISHING, bottoms))
         f_hat = predict.evaluate(coated, samples.wi, samples.wo)
-        errors.append(sampling.stack_errors(f_hat, samples))
-    mean = float(np.concatenate(errors).mean()) if errors else 0.0
+        errors.extend(sampling.stack_errors(f_hat, samples))
+    mean = float(np.mean(errors[1:] or errors))
     return Figure("E of a vanishing coat to its bottom", 100 * mean, "%", 100 * VANISHING_ERROR)
 
 
@@ -146,33 +136,26 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
     """
     rises, albedo_rises = [], []
     for kind in ("conductor", "diffuse"):
-        group = Group(f"absorbing {kind}", Extended(1, kind), stacks)
-        table, (wi, wo) = sampling.draw_stacks(group), sampling.draw_pairs(group)
-        nothing = np.zeros(wi.shape[:2], np.float32)
-        bare = Samples(sampling.part(table, lowest=0), wi, wo, nothing, nothing)
-        bottoms = predict.material(model, bare, how="table")
-        coat = {
-            name: getattr(table, name)[:, 0].astype(np.float64) for name in CoatParameters._fields
-        }
-        coat["alpha"] = np.maximum(coat["alpha"], 0.01)
-        scattering = coat["albedo"] * coat["sigma_t"]
-        values, albedos = [], []
+        held = sampling.unsimulated(Group(f"absorbing {kind}", Extended(1, kind), stacks))
+        bare = replace(held, table=sampling.part(held.table, lowest=0))
+        bottoms, coat = predict.material(model, bare, how="table"), predict.coats_at(held.table, 0)
+        scattering, values, albedos = coat.albedo * coat.sigma_t, [], []
         for sigma_a in ABSORPTION:
-            coat["sigma_t"] = scattering + sigma_a
-            coat["albedo"] = scattering / np.maximum(coat["sigma_t"], 1e-9)
-            materials = predict.split(layer_material(CoatParameters(**coat), bottoms))
-            values.append(predict.evaluate(materials, wi, wo).astype(np.float64))
+            depth = scattering + sigma_a
+            albedo = scattering / np.maximum(depth, 1e-9)
+            absorbing = coat._replace(sigma_t=depth, albedo=albedo)
+            materials = predict.split(layer_material(absorbing, bottoms))
+            values.append(predict.evaluate(materials, held.wi, held.wo).astype(np.float64))
             albedos.append(_albedo(materials))
-        f = np.stack(values)
-        rises.append((f[1:] - f[:-1]) / (f[:-1] + DARK_OFFSET))
-        albedo_rises.append(np.diff(np.stack(albedos), axis=0))
-    rise = np.concatenate(rises, axis=1)
-    worst_albedo = max(float(r.max()) for r in albedo_rises)
+        rises.append(np.diff(values, axis=0) / (np.array(values[:-1]) + DARK_OFFSET))
+        albedo_rises.append(np.diff(albedos, axis=0))
+    rise, albedo_rise = (np.concatenate(parts, axis=1) for parts in (rises, albedo_rises))
+    largest = [100 * max(float(x.max()), 0.0) for x in (rise, albedo_rise)]
     share = 100 * float((rise > RISE).mean())
     return [
         Figure("f rises with absorption: share of pairs", share, "%", 0.0),
-        Figure("  largest relative rise a step", 100 * max(float(rise.max()), 0.0), "%"),
-        Figure("  largest rise of the albedo a step", 100 * max(worst_albedo, 0.0), "%"),
+        Figure("  largest relative rise a step", largest[0], "%"),
+        Figure("  largest rise of the albedo a step", largest[1], "%"),
     ]
 
 

@@ -170,6 +170,13 @@ def draw_pairs(group: Group, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
     return wi, wo
 
 
+def unsimulated(group: Group, seed: int = 0) -> Samples:
+    """A group's stacks and pairs without values."""
+    table, (wi, wo) = draw_stacks(group, seed), draw_pairs(group, seed)
+    nothing = np.zeros(wi.shape[:2], np.float32)
+    return Samples(table, wi, wo, nothing, nothing)
+
+
 def generator(group: Group, seed: int, purpose: int) -> np.random.Generator:
     """An independent generator for each group, seed and purpose (stacks, pairs or walks)."""
     name = zlib.crc32(group.name.encode())

@@ -44,34 +44,24 @@ def _view(scene: str, light: str = OWN, depth: int = 6) -> View:
     return View(scene, light, width=240, detail=0.5, depth=depth)
 
 
+STILL, SHOE = ((60, 52), (150, 92)), ((140, 70), (70, 60))
 CASES = {
     "still-life": Case(
-        "still life, alpha and index textured",
-        _view(TEXTURED),
-        64,
-        ((60, 52), (150, 92)),
+        *("still life, alpha and index textured", _view(TEXTURED), 64, STILL),
         {"walk": (64, 2.0e-3), "networks": (512, 1.0e-3)},
     ),
     "globe": Case(
-        "globe",
-        _view("globe"),
-        24,
-        ((85, 40), (95, 132)),
+        *("globe", _view("globe"), 24, ((85, 40), (95, 132))),
         {"walk": (24, 2.3e-3), "networks": (256, 9.3e-4)},
     ),
     "teapot": Case(
-        "teapot",
-        _view("teapot"),
-        12,
-        ((85, 70), (140, 60)),
+        *("teapot", _view("teapot"), 12, ((85, 70), (140, 60))),
         {"walk": (12, 5.4e-3), "networks": (256, 6.0e-4)},
     ),
     "brushed": Case("brushed", _view("brushed"), 16, ((60, 45), (140, 95))),
-    "shoe": Case("shoe, point light and studio", _view("shoe", BOTH), 16, ((140, 70), (70, 60))),
-    "shoe-1": Case("shoe, point light and studio", _view("shoe", BOTH), 0, ((140, 70), (70, 60))),
-    "shoe-point": Case(
-        "shoe, point light alone", _view("shoe", POINT, 2), 0, ((140, 70), (70, 60))
-    ),
+    "shoe": Case("shoe, point light and studio", _view("shoe", BOTH), 16, SHOE),
+    "shoe-1": Case("shoe, point light and studio", _view("shoe", BOTH), 0, SHOE),
+    "shoe-point": Case("shoe, point light alone", _view("shoe", POINT, 2), 0, SHOE),
 }
 #: Side of the insets [pixels], and colours of their frames.
 SIDE, FRAMES = 40, ("#56b4e9", "#f0e442")
@@ -151,13 +141,9 @@ def tables(found: Found) -> list[str]:
         samples = [f"{x['samples']}" for x in both]
         equal.append([case.title, *samples, *errors, f"{ratio:.1f}", *flips])
         if case.paper and "mse" in both[0]:
-            own, theirs = [x["mse"] for x in both], case.paper
+            own, (theirs, others) = [x["mse"] for x in both], case.paper.values()
             cells = [f"{1e4 * x:.2g}e-4" for x in own] + [f"{own[0] / own[1]:.2g}"]
-            cells += [
-                f"{theirs['networks'][0]}",
-                f"{theirs['walk'][1] / theirs['networks'][1]:.2g}",
-            ]
-            paper.append([case.title, *cells])
+            paper.append([case.title, *cells, f"{others[0]}", f"{theirs[1] / others[1]:.2g}"])
     head = ["scene", "samples: walk", "networks", "relative MSE: walk", "networks", "ratio"]
     made = [
         table([*head, "FLIP: walk", "networks"], equal),

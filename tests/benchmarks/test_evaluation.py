@@ -92,10 +92,8 @@ def test_the_current_simulator_agrees_with_the_stored_set(stored, name):
 @pytest.mark.parametrize("how", ["code", "table", "network"])
 def test_materials_are_those_of_the_public_functions(tiny, how):
     """encode, then layer from the lowest coat to the top one, for stacks of two coats."""
-    group = Group("two coats", Extended(2, "diffuse"), 2)
-    table, (wi, wo) = sampling.draw_stacks(group), sampling.draw_pairs(group)
-    nothing = np.zeros(wi.shape[:2], np.float32)
-    samples = Samples(table, wi, wo, nothing, nothing)
+    samples = sampling.unsimulated(Group("two coats", Extended(2, "diffuse"), 2))
+    table, wi, wo = samples.table, samples.wi, samples.wo
     f = predict.evaluate(predict.materials(tiny, samples, how=how), wi, wo)
     assert f.shape == wi.shape[:2] and f.dtype == np.float32
     for stack in range(2):
