@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 from benchmarks import sphere
-from benchmarks.measured import coated
 from benchmarks.showing import figure, mosaic
+from benchmarks.subjects import coated
 from tqdm import tqdm
 
 from urushi.app.encode import read_material

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from benchmarks import sphere
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
-from benchmarks.measured import Measured, coated, materials, reciprocal
 from benchmarks.measures import error
 from benchmarks.showing import grid, percent, table
+from benchmarks.subjects import Measured, coated, materials, reciprocal
 
 import urushi
 from urushi.core import direction_sets

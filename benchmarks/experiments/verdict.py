@@ -20,9 +20,8 @@ from benchmarks.pictures import View, at_equal_time
 from benchmarks.scenes import LIGHTS, PRINCIPLED, WALK
 from benchmarks.scenes import PAPER as PREFIX
 from benchmarks.showing import COLOURS, figure, interval, table
-from benchmarks.verdict import costs, errors, fits
+from benchmarks.verdict import costs, fits
 from benchmarks.verdict import methods as known
-from benchmarks.verdict.errors import FITTED
 from fan2022 import PaperNetworks
 
 PAPER = os.environ.get(
@@ -66,12 +65,12 @@ def cases(options: Options) -> dict[str, Any]:
         "renders": partial(costs.renders, PAPER),
         "memory": costs.memory,
         "new": partial(costs.new_materials, paper),
-        **{f"interfaces_{n}": partial(errors.isotropic, n, paper) for n in INTERFACES},
-        "laws": partial(errors.laws, paper),
+        **{f"interfaces_{n}": partial(known.isotropic, n, paper) for n in INTERFACES},
+        "laws": partial(known.laws, paper),
     }
     archives = [path for path in options.data() if path.suffix == ".npz"]
     if archives:
-        found["measured"] = partial(errors.measured, archives[0], paper)
+        found["measured"] = partial(known.measured, archives[0], paper)
     return found | {name: partial(equal_time, view) for name, view in views(options).items()}
 
 
@@ -172,7 +171,7 @@ def error_table(found: Found) -> str:
     lines = []
     for name in apart(found):
         if name == fits.PRINCIPLED:  # the first fit
-            lines.append(line(known.NETWORKS, "networks, the stacks of the fits", FITTED))
+            lines.append(line(known.NETWORKS, "networks, the stacks of the fits", known.FITTED))
         lines.append(line(name, name))
         if name == known.NETWORKS:
             lines.append(line(known.TABLES, known.TABLES))
