@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 from benchmarks.evaluation import benchmark, physical_laws, predict, report
-from benchmarks.evaluation.samples import GROUPS, ROWS, Samples
+from benchmarks.evaluation.samples import ROWS, Samples
 from benchmarks.showing import table
 from fan2022.material import Material
 from fan2022.networks import PaperNetworks, projection_pairs
@@ -41,13 +41,12 @@ def evaluate(networks: PaperNetworks, sets: Mapping[str, Samples] | None = None)
     sets: stacks by group; by default the stored ones.
     """
     sets = benchmark.read() if sets is None else sets
-    groups = tuple(g for g in GROUPS if g.name in sets and covered(sets[g.name].table))
-    names = {group.name for group in groups}
+    names = {name for name, samples in sets.items() if covered(samples.table)}
     rows = tuple(row for row in ROWS if names.issuperset(row.groups))
-    found = report.measure_errors(partial(materials, networks), sets, groups=groups, rows=rows)
-    laws = physical_laws.reciprocity_and_sign(sets, found.materials)
+    found, layered = report.measure_errors(partial(materials, networks), sets, rows)
+    laws = physical_laws.reciprocity_and_sign(sets, layered)
     figures = table(["law", "value"], [[law.name, f"{law.value:.4g}"] for law in laws])
-    errors = report.errors_table(found.rows)
+    errors = report.errors_table(found)
     return "\n\n".join([f"networks {networks.fingerprint}", errors, figures])
 
 

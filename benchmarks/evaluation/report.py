@@ -3,72 +3,56 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from benchmarks.evaluation import physical_laws, predict
 from benchmarks.evaluation import samples as sampling
-from benchmarks.evaluation.samples import GROUPS, ROWS, Group, Row, Samples
+from benchmarks.evaluation.samples import ROWS, Row, Samples
 from benchmarks.showing import table
 
 from urushi.nets.weights import Model
 
 
-class Errors(NamedTuple):
-    """The errors of networks on the groups' stacks.
-
-    Attributes:
-        rows: by row name, stacks and by metric "E" (over stacks) and "P" (over all pairs): mean,
-            median, p95 and reference, the reference's own error (mean of E, median of P).
-        materials: by group, the materials with every coat layered.
-    """
-
-    rows: dict[str, dict[str, Any]]
-    materials: dict[str, list]
-
-
 def measure_errors(
-    predicted: Callable[..., list],
-    sets: Mapping[str, Samples],
-    *,
-    groups: tuple[Group, ...] = GROUPS,
-    rows: tuple[Row, ...] = ROWS,
-) -> Errors:
+    predicted: Callable[..., list], sets: Mapping[str, Samples], rows: tuple[Row, ...] = ROWS
+) -> tuple[dict[str, dict[str, Any]], dict[str, list]]:
     """Errors E and P of networks on the groups' sets, row by row.
 
     predicted: from samples, the number of encoded coats and `how` to their materials, as
         `predict.materials` for a model.
+
+    Returns:
+        By row name, stacks and by metric "E" (over stacks) and "P" (over all pairs): mean, median,
+        p95 and reference, the reference's own error (mean of E, median of P). And by group, the
+        materials with every coat layered.
     """
-    by_name = {group.name: group for group in groups}
     materials: dict[tuple, list] = {}  # by group, number of encoded coats, and `how`
     values: dict[tuple, np.ndarray] = {}
     found = {}
     for row in rows:
-        ways = [(name, row.coats(by_name[name]), row.how) for name in row.groups]
-        for way in ways:
+        ways = []
+        for name in row.groups:
+            held = sets[name]
+            coats = held.table.coats if row.encoded < 0 else row.encoded
+            ways.append(way := (name, coats, row.how))
             if way not in materials:
-                samples = sets[way[0]]
-                materials[way] = predicted(samples, way[1], how=way[2])
-                values[way] = predict.evaluate(materials[way], samples.wi, samples.wo)
+                materials[way] = predicted(held, coats, how=row.how)
+                values[way] = predict.evaluate(materials[way], held.wi, held.wo)
         found[row.name] = _row([(sets[way[0]], values[way]) for way in ways])
-    layered = {way[0]: made for way, made in materials.items() if way[1:] == (0, "code")}
-    return Errors(found, layered)
+    return found, {way[0]: made for way, made in materials.items() if way[1:] == (0, "code")}
 
 
 def measure(
-    model: Model,
-    sets: Mapping[str, Samples],
-    *,
-    groups: tuple[Group, ...] = GROUPS,
-    rows: tuple[Row, ...] = ROWS,
+    model: Model, sets: Mapping[str, Samples], rows: tuple[Row, ...] = ROWS
 ) -> dict[str, Any]:
     """All figures of networks on the groups' sets, as JSON values: "rows" of errors, and "laws"."""
     predicted = partial(predict.materials, model)
-    errors = measure_errors(predicted, sets, groups=groups, rows=rows)
-    exact = {name: predicted(sets[name], how="table") for name in errors.materials}
+    errors, layered = measure_errors(predicted, sets, rows)
+    exact = {name: predicted(sets[name], how="table") for name in layered}
     laws = physical_laws.measure(model, sets, exact)
-    return {"rows": errors.rows, "laws": [asdict(law) | {"kept": law.kept} for law in laws]}
+    return {"rows": errors, "laws": [asdict(law) | {"kept": law.kept} for law in laws]}
 
 
 def summary(errors: npt.ArrayLike) -> dict[str, float]:

@@ -55,10 +55,6 @@ class Row:
     encoded: int = 0
     how: str = "code"
 
-    def coats(self, group: Group) -> int:
-        """Number of coats of a group's stacks that are encoded."""
-        return group.distribution.coats if self.encoded < 0 else self.encoded
-
 
 #: The kinds of bottom that are measured, with their names in the table.
 BOTTOMS = {

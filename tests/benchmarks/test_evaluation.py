@@ -139,10 +139,10 @@ ROWS = (
 )
 
 
-def test_rows_are_the_figures_of_the_networks(tiny, sets, groups, monkeypatch):
+def test_rows_are_the_figures_of_the_networks(tiny, sets, monkeypatch):
     monkeypatch.setattr(physical_laws, "WHITE_STACKS", 1)
     monkeypatch.setattr(physical_laws, "absorption", lambda model: [])
-    result = report.measure(tiny, sets, groups=groups, rows=ROWS)
+    result = report.measure(tiny, sets, ROWS)
     e, p = [], []
     for samples in sets.values():
         f_hat = predict.evaluate(predict.materials(tiny, samples), samples.wi, samples.wo)
