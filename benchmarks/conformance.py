@@ -7,7 +7,6 @@ both sides. docs/conformance.md describes its format. `--make FILE` simulates th
 materials and pairs again from fixed seeds, in about a minute on two cores of an AMD EPYC.
 """
 
-import argparse
 import os
 from collections.abc import Mapping
 from functools import partial
@@ -16,6 +15,7 @@ from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
+import tyro
 from benchmarks.measures import bsdf_values, channel_errors, coat_errors
 from benchmarks.showing import table
 from research.rivals import openpbr_recipe
@@ -124,7 +124,7 @@ def _walked(
     return mean, np.sqrt(np.maximum(squares / count - mean**2, 0) / (count - 1))
 
 
-def make(path: str | os.PathLike) -> None:
+def write(path: str | os.PathLike) -> None:
     """Simulate the materials of the file that ships at its pairs, and write a file."""
     (description, arrays), reference = files.read_tensors(FILE, KIND), read()
     simulated = [
@@ -135,26 +135,27 @@ def make(path: str | os.PathLike) -> None:
     files.write_tensors(path, KIND, description, arrays | {"f": f, "se": se})
 
 
-def main(arguments: list[str] | None = None) -> None:
-    """Print the table, or make the reference."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--values", type=Path, help="NPZ file of a renderer: f of (40, 300, 3)")
-    parser.add_argument("--make", type=Path, help="file to write a reference to")
-    options = parser.parse_args(arguments)
+def main(values: Path | None = None, make: Path | None = None) -> None:
+    """Print the table, or make the reference.
+
+    Args:
+        values: NPZ file of a renderer: f of (40, 300, 3).
+        make: file to write a reference to.
+    """
     mi.set_variant("llvm_ad_rgb")
-    if options.make:
-        make(options.make)
+    if make is not None:
+        write(make)
         return
     reference = read()
     parameters, pairs = reference.parameters.values(), (reference.wi, reference.wo)
-    if options.values is None:
+    if values is None:
         found = {"urushi": [bsdf_values(openpbr(**own).bsdf(), *pairs) for own in parameters]}
         for name in openpbr_recipe.RECIPES:
             found[name] = [openpbr_recipe.f(own, *pairs, recipe=name) for own in parameters]
     else:
-        found = {options.values.stem: read_npz(options.values, "f")[0]}
+        found = {values.stem: read_npz(values, "f")[0]}
     print(errors_table(reference, {k: errors(np.array(f), reference) for k, f in found.items()}))
 
 
 if __name__ == "__main__":
-    main()
+    tyro.cli(main, description=__doc__)

@@ -7,17 +7,17 @@ the median of P are against the source made isotropic and reciprocal, which is w
 the slices, albedos and spheres it is only made isotropic.
 """
 
-import argparse
 import functools
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+import tyro
 from benchmarks import measures, sphere
 from benchmarks.measures import Brdf, error, half_angle_pairs, in_plane
 from benchmarks.pictures import compare
+from benchmarks.showing import figure as empty
 from benchmarks.showing import percent, table
-from matplotlib.figure import Figure
 
 import urushi
 from urushi.app.encode import Encode, opened, scene_bsdfs
@@ -112,7 +112,7 @@ def draw(
 
     slices: (2, `INCIDENT`, `OUTGOING`, C) [1/sr]; albedo: (2, `ALBEDO_ANGLES`, C).
     """
-    figure = Figure(figsize=(11, 6.4), layout="constrained")
+    figure = empty(11, 6.4)
     upper, (shares, *spheres) = figure.subplots(2, 3, height_ratios=(1, 1.1))
     largest = max(float(slices.max()), 1e-6)
     for axis, incident, values in zip(upper, INCIDENT, np.moveaxis(slices, 1, 0), strict=True):
@@ -142,19 +142,17 @@ def _lines(axis: Any, x: np.ndarray, values: np.ndarray) -> None:
             axis.plot(x, row, color=colour, **style)
 
 
-def main() -> None:
-    """Print the table and write the pictures."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("sources", nargs="+")
-    parser.add_argument("-o", "--output", type=Path, required=True)
-    options = parser.parse_args()
+def main(
+    sources: tyro.conf.Positional[tuple[str, ...]],
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])],
+) -> None:
+    """Print the table and write the pictures into the folder `output`."""
     bsdfs = functools.cache(functools.partial(scene_bsdfs, mode="llvm_ad_rgb"))
-    targets, folder, rows = Encode(tuple(options.sources), options.output).targets(), None, []
-    for target, text in zip(targets, options.sources, strict=True):
-        source = opened(text, bsdfs)
-        folder = folder or new_folder(options.output)
-        path = folder / f"{target.stem}.png"
-        figures = examine(path, target.stem, source, urushi.encode(source))
+    targets, rows = Encode(sources, output).targets(), []
+    opened_sources = [opened(text, bsdfs) for text in sources]
+    folder = new_folder(output)
+    for target, source in zip(targets, opened_sources, strict=True):
+        figures = examine(folder / f"{target.stem}.png", target.stem, source, urushi.encode(source))
         shares = [percent(figures[k]) for k in ("E", "P", "anisotropy", "reciprocity")]
         rows.append([target.stem, *shares, f"{figures['PSNR']:.1f} dB"])
     head = ["source", "E", "P, median", "anisotropy", "reciprocity error", "PSNR of a sphere"]
@@ -162,4 +160,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    tyro.cli(main, description=__doc__)

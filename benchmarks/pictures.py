@@ -33,8 +33,7 @@ BEST_PSNR = 100.0
 #: Samples per pixel of one pass, which bounds the memory; least number of passes of a method, and
 #: of samples of a pass; and seconds between two saves of a converged picture.
 PASS_SPP, PASSES, LEAST_SPP, SAVE_EVERY = 16, 4, 2, 30.0
-#: A long render, by which methods are timed, has the samples of `LONG` passes. A method is slow,
-#: and has none, if `PASSES` full passes take more than `SLOW` times the seconds of a method.
+#: A long render, by which methods are timed, has the samples of `LONG` passes; see `at_equal_time`.
 LONG, LONG_TURNS, SLOW = 8, 4, 10
 
 
@@ -190,17 +189,11 @@ class Method:
         return max(metrics.mse(self.image, reference.image) - float(noise), 0.0)
 
 
-def start(view: View, method: str, seconds: float) -> Method:
-    """Load a scene and render it, so that its kernels are compiled.
-
-    A pass of a slow method has as many samples as keep `PASSES` of them within `SLOW` times the
-    seconds, but `LEAST_SPP` at least.
-    """
+def start(view: View, method: str) -> Method:
+    """Load a scene and render it, so that its kernels are compiled."""
     started = Method(view.load(method)[0], method.startswith(PAPER))
     for spp in (1, LEAST_SPP):  # one sample per pixel has a kernel of its own
         started.render(spp, 0)
-    affordable = LEAST_SPP * SLOW * seconds / (PASSES * started.render(LEAST_SPP, 0)[1])
-    started.samples = int(min(max(affordable, LEAST_SPP), PASS_SPP))
     return started
 
 
@@ -209,25 +202,26 @@ def at_equal_time(
 ) -> tuple[dict[str, Method], Picture]:
     """Methods after alternating passes of about these seconds of CPU time each, and the truth.
 
-    Methods with separate kernels are measured afterwards: their BSDFs would be compiled into the
-    kernels of the others.
+    The system of Fan et al. (2022) is measured afterwards: its BSDFs would be compiled into the
+    kernels of the others. It is slow: its passes have as many samples as keep `PASSES` of them
+    within `SLOW` times the seconds, but `LEAST_SPP` at least, and it has no long renders.
     """
     reference = converged(view, WALK, samples)
-    methods = {of: start(view, of, seconds) for of in names if not of.startswith(PAPER)}
-    quick = [method for method in methods.values() if method.samples == PASS_SPP]
+    methods = {of: start(view, of) for of in names if not of.startswith(PAPER)}
     passes = spent = 0.0
-    while passes < PASSES or spent < seconds * len(quick):
+    while passes < PASSES or spent < seconds * len(methods):
         for number, method in enumerate(methods.values()):
-            if passes < PASSES or method in quick:
-                method.sample(1000 * (int(passes) + 1) + number)
-        passes, spent = passes + 1, sum(sum(method.seconds) for method in quick)
+            method.sample(1000 * (int(passes) + 1) + number)
+        passes, spent = passes + 1, sum(sum(method.seconds) for method in methods.values())
     for turn in range(LONG_TURNS):
-        for method in quick:
+        for method in methods.values():
             method.long.append(method.render(LONG * method.samples, turn)[1])
     for of in [name for name in names if name not in methods]:
-        methods[of] = start(view, of, seconds)
+        methods[of] = slow = start(view, of)
+        affordable = LEAST_SPP * SLOW * seconds / (PASSES * slow.render(LEAST_SPP, 0)[1])
+        slow.samples = int(min(max(affordable, LEAST_SPP), PASS_SPP))
         for index in range(PASSES):
-            methods[of].sample(1000 * (index + 1) + len(methods))
-        methods[of].scene = None
+            slow.sample(1000 * (index + 1) + len(methods))
+        slow.scene = None
         gc.collect()
     return methods, reference

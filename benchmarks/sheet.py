@@ -5,12 +5,12 @@
 A row is `urushi.lerp` of its neighbours among the materials, a column `urushi.layer` over it.
 """
 
-import argparse
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+import tyro
 from benchmarks import sphere
 from benchmarks.showing import figure, mosaic
 from benchmarks.subjects import coated
@@ -41,33 +41,37 @@ def steps(names: Sequence[str], rows: int) -> Iterator[tuple[int, float, str]]:
         yield k, position - k, "\n".join(seen).removesuffix(" 100%")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("materials", nargs="+", help="two or more, as of `urushi layer`")
-    parser.add_argument("-o", "--output", type=Path, required=True)
-    parser.add_argument("--rows", type=int, default=5)
-    options = parser.parse_args()
-    if len(options.materials) < 2 or options.rows < 2:
-        parser.error("a sheet blends materials; give two or more, and two or more rows")
-    materials = [read_material(text, None) for text in options.materials]
+def main(
+    materials: tyro.conf.Positional[tuple[str, ...]],
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])],
+    rows: int = 5,
+) -> None:
+    """Draw a sheet.
+
+    Args:
+        materials: two or more, as of `urushi layer`.
+        output: the picture.
+        rows: two or more.
+    """
+    if len(materials) < 2 or rows < 2:
+        raise SystemExit("a sheet blends materials; give two or more, and two or more rows")
+    opened = [read_material(text, None) for text in materials]
     pictures, labels = [], []
-    names = [Path(text).stem for text in options.materials]
-    for k, share, label in tqdm(steps(names, options.rows), total=options.rows, unit="row"):
+    names = [Path(text).stem for text in materials]
+    for k, share, label in tqdm(steps(names, rows), total=rows, unit="row"):
         labels.append(label)
-        blend = lerp(materials[k], materials[k + 1], share)
+        blend = lerp(opened[k], opened[k + 1], share)
         layers = [blend if coat is None else coated(blend, coat) for coat in COATS.values()]
         pictures.append([metrics.shown(sphere.studio(material.f)) for material in layers])
-    picture = figure(1.3 * len(COATS) + 1.2, 1.3 * options.rows + 0.4)
+    picture = figure(1.3 * len(COATS) + 1.2, 1.3 * rows + 0.4)
     axis = picture.subplots()
     mosaic(axis, pictures, labels, list(COATS))
     axis.tick_params(top=False, labeltop=True, labelbottom=False)
     axis.spines[:].set_visible(False)
-    with atomic_write(options.output) as temporary:
+    with atomic_write(output) as temporary:
         picture.savefig(temporary, dpi=100, bbox_inches="tight")
-    print(options.output)
+    print(output)
 
 
 if __name__ == "__main__":
-    main()
+    tyro.cli(main, description=__doc__)

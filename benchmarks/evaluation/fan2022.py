@@ -3,11 +3,11 @@
 They are measured on the held-out stacks whose indices are all above one, in minutes to hours.
 """
 
-import argparse
 from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
+import tyro
 from benchmarks.evaluation import benchmark, physical_laws, predict, report
 from benchmarks.evaluation.samples import ROWS, Samples
 from benchmarks.showing import table
@@ -50,15 +50,17 @@ def evaluate(networks: PaperNetworks, sets: Mapping[str, Samples] | None = None)
     return "\n\n".join([f"networks {networks.fingerprint}", errors, figures])
 
 
-def main(arguments: list[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("weights", help="file of the networks, see docs/published.md")
-    options = parser.parse_args(arguments)
+def main(weights: tyro.conf.Positional[str]) -> None:
+    """Print the tables.
+
+    Args:
+        weights: file of the networks, see docs/published.md.
+    """
     try:
-        print(evaluate(PaperNetworks.read(options.weights)))
+        print(evaluate(PaperNetworks.read(weights)))
     except FileError as error:
-        parser.error(str(error))
+        raise SystemExit(str(error)) from error
 
 
 if __name__ == "__main__":
-    main()
+    tyro.cli(main, description=__doc__)

@@ -136,7 +136,7 @@ def test_values_of_another_renderer_are_compared(tmp_path, capsys):
     """All 25 % too bright: every line has an E and an albedo's error of 25 %."""
     path = tmp_path / "mine.npz"
     np.savez(path, f=1.25 * conformance.read().f)
-    conformance.main(["--values", str(path)])
+    conformance.main(path)
     lines = capsys.readouterr().out.splitlines()
     assert " mine " in lines[0] and len(lines) == 2 + 40 + 2
     assert all("| 25.00 / +25.0 |" in line for line in lines[2:42])
