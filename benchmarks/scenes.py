@@ -78,7 +78,10 @@ def describe(
     if light == BOTH:
         scene["point"] = _light(POINT, scene["sensor"])
     elif light != OWN:
-        scene = {key: node for key, node in scene.items() if not _emits(node)}
+        nodes = {key: node for key, node in scene.items() if isinstance(node, dict)}
+        for key, node in nodes.items():
+            if node["type"] == "envmap" or "emitter" in node:
+                del scene[key]
         scene["light"] = _light(light, scene["sensor"])
     scene["integrator"] = {"type": "path", "max_depth": depth}
     return _with_method(scene, method)
@@ -95,10 +98,6 @@ def digest(scene: dict[str, Any], folder: Path) -> str:
     for file in map(Path, re.findall(r"'weights': '([^']*)'", text)):
         parts.append(file.read_bytes() if file.is_file() else b"")
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
-
-
-def _emits(node: Any) -> bool:
-    return isinstance(node, dict) and (node["type"] == "envmap" or "emitter" in node)
 
 
 def _light(kind: str, sensor: dict[str, Any]) -> dict[str, Any]:

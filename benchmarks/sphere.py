@@ -13,7 +13,6 @@ regions the weights are blended.
 """
 
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 from benchmarks.measures import Brdf
@@ -43,21 +42,6 @@ LIGHTS = (
 )
 
 
-class Nodes(NamedTuple):
-    """The direction pairs at which a BRDF is integrated, for all rings.
-
-    Attributes:
-        wi, wo: float32 (N, 3), both above the horizon, in the frame of the surface.
-        cell: (N, 4) flat indices into (RINGS, ELEVATIONS, AZIMUTHS): cells to which a node adds.
-        weight: (N, 4) solid angle times cosine of wo times share, for each of these cells.
-    """
-
-    wi: np.ndarray
-    wo: np.ndarray
-    cell: np.ndarray
-    weight: np.ndarray
-
-
 def studio(f: Brdf) -> np.ndarray:
     """The picture (2 RINGS, 2 RINGS, 3) of linear radiance in Urushi's studio."""
     return picture(transport(f), radiance())
@@ -74,15 +58,15 @@ def transport(f: Brdf) -> np.ndarray:
         complex64 (RINGS, ELEVATIONS, AZIMUTHS // 2 + 1, 3); the third axis holds Fourier
         coefficients over differences of azimuth.
     """
-    rule = nodes()
+    wi, wo, cell, weight = nodes()
     # In parts, so that f needs little memory.
-    parts = zip(*(np.array_split(w, PARTS) for w in (rule.wi, rule.wo)), strict=True)
-    values = np.concatenate([np.asarray(f(wi, wo)) for wi, wo in parts])
+    parts = zip(*(np.array_split(w, PARTS) for w in (wi, wo)), strict=True)
+    values = np.concatenate([np.asarray(f(*pairs)) for pairs in parts])
     shape = RINGS, ELEVATIONS, AZIMUTHS
     channels = []
     for value in np.broadcast_to(values, (len(values), 3)).T.astype(np.float64):
-        shared = (value[:, None] * rule.weight).ravel()
-        received = np.bincount(rule.cell.ravel(), shared, minlength=np.prod(shape)).reshape(shape)
+        shared = (value[:, None] * weight).ravel()
+        received = np.bincount(cell.ravel(), shared, minlength=np.prod(shape)).reshape(shape)
         channels.append(np.fft.rfft(received, axis=2).astype(np.complex64))
     return np.stack(channels, axis=-1)
 
@@ -124,11 +108,17 @@ def radiance() -> np.ndarray:
 
 
 @cache
-def nodes() -> Nodes:
-    """The nodes of all rings, about 800,000."""
+def nodes() -> tuple[np.ndarray, ...]:
+    """The pairs at which a BRDF is integrated, for all rings: about 800,000 nodes.
+
+    Returns:
+        wi, wo: float32 (N, 3), both above the horizon, in the frame of the surface.
+        cell: (N, 4) flat indices into (RINGS, ELEVATIONS, AZIMUTHS): cells to which a node adds.
+        weight: (N, 4) solid angle times cosine of wo times share, for each of these cells.
+    """
     parts = [part for ring in range(RINGS) for part in (_cells(ring), _half_vectors(ring))]
     wi, wo, cell, weight = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
-    return Nodes(wi.astype(np.float32), wo.astype(np.float32), cell, weight)
+    return wi.astype(np.float32), wo.astype(np.float32), cell, weight
 
 
 def _cells(ring: int) -> tuple[np.ndarray, ...]:

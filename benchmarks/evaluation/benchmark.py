@@ -180,8 +180,13 @@ def simulate(group: Group, seed: int = 0, *, only_e: bool = False) -> Samples:
     walked = partial(_adaptive, rng=rng, name=group.name)
     f, se = walked(table, wi, wo, allot=lambda f, sd: _walks_for_errors(f, sd, *cosines))
     pairs = [np.tile(w, (len(table), 1, 1)) for w in probe_pairs(PROBES)]
+
+    def for_probes(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
+        """Walks for which P of a pair's noise is `PROBE_ERROR`; at most those of `encode`."""
+        return np.minimum((sd / (f + DARK_OFFSET) / PROBE_ERROR) ** 2, STACK_WALKS)
+
     probed = {
-        coats: walked(sampling.part(table, lowest=coats), *pairs, allot=_walks_for_probes)[0]
+        coats: walked(sampling.part(table, lowest=coats), *pairs, allot=for_probes)[0]
         for coats in group.probed
     }
     if only_e:
@@ -203,7 +208,10 @@ def _adaptive(
     """Mean and standard error (S, M) of the walks that `allot` requires after a pilot run."""
     first, second = (int(word) for word in rng.integers(1 << 31, size=2))
     f, se = sampling.walk_all(table, wi, wo, pilot, first)
-    walks_by_pair = allot(f, _pooled(f, se) * np.sqrt(pilot))
+    # The error of a pair is too small if its rare bright walks are missing in the pilot run. The
+    # other pairs of the stack show the noise: half of their typical relative error is added.
+    typical = np.sqrt(((se / (f + DARK_OFFSET)) ** 2).mean(axis=1, keepdims=True))
+    walks_by_pair = allot(f, np.hypot(se, 0.5 * typical * f) * np.sqrt(pilot))
     exponent = np.ceil(np.log2(np.clip(walks_by_pair, pilot, MAX_WALKS))).astype(int)
     f, se = np.zeros_like(f), np.zeros_like(se)
     total = int((2**exponent).sum())
@@ -217,17 +225,6 @@ def _adaptive(
             f[chosen], se[chosen] = part
             progress.update(int(chosen.sum()) << int(power))
     return f, se
-
-
-def _pooled(f: np.ndarray, se: np.ndarray) -> np.ndarray:
-    """Standard errors (S, M) raised by half of the stack's typical relative error.
-
-    The error of a pair is too small if its rare bright walks are missing in the pilot run; the
-    other pairs of the same stack show the noise.
-    """
-    relative = se / (f + DARK_OFFSET)
-    typical = np.sqrt((relative**2).mean(axis=1, keepdims=True))
-    return np.hypot(se, 0.5 * typical * f)
 
 
 def _walks_for_errors(
@@ -245,11 +242,6 @@ def _walks_for_errors(
     for_e = share * (share.sum(1, keepdims=True) / np.maximum(allowed, 1e-12)) ** 2
     for_p = (sd / (f + DARK_OFFSET) / P_ERROR)[:, E_PAIRS:] ** 2
     return np.concatenate([for_e, np.minimum(for_p, MAX_P_WALKS)], axis=1)
-
-
-def _walks_for_probes(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
-    """Walks (S, M) for which P of a pair's noise is `PROBE_ERROR`; at most those of `encode`."""
-    return np.minimum((sd / (f + DARK_OFFSET) / PROBE_ERROR) ** 2, STACK_WALKS)
 
 
 def _albedo(

@@ -65,8 +65,10 @@ def _row(parts: list[tuple[Samples, np.ndarray]]) -> dict[str, Any]:
     """Figures over the stacks of several sets together, each with the networks' values (S, M)."""
     e = np.concatenate([sampling.stack_errors(f_hat, s) for s, f_hat in parts])
     p = np.concatenate([sampling.pair_errors(f_hat, s).ravel() for s, f_hat in parts])
-    own = [sampling.reference_error(s) for s, _ in parts]
-    own_e, own_p = (np.concatenate(x) for x in zip(*own, strict=True))
+    # The reference's own error is that of one standard error; of a stack's P the median.
+    moved = [(s.f + s.se, s) for s, _ in parts]
+    own_e = np.concatenate([sampling.stack_errors(*part) for part in moved])
+    own_p = np.concatenate([np.median(sampling.pair_errors(*part), axis=1) for part in moved])
     return {
         "stacks": len(e),
         "E": summary(e) | {"reference": float(own_e.mean())},
@@ -83,14 +85,11 @@ def errors_table(rows: Mapping[str, dict[str, Any]]) -> str:
     for name, row in rows.items():
         figures = quantiles(row["E"]), quantiles(row["P"], ("median",))
         found.setdefault(figures, []).append(indented(name))
-    cells = [[_together(names), *figures] for figures, names in found.items()]
+    cells = []
+    for figures, (first, *others) in found.items():  # what is encoded is said once
+        names = ", ".join([first, *(name.removeprefix("encode ") for name in others)])
+        cells.append([names, *figures])
     return table(["task of the networks", "E [%]: mean / median / p95", "P: median"], cells)
-
-
-def _together(names: list[str]) -> str:
-    """Several tasks in one cell; what is encoded is said once."""
-    first, *others = names
-    return ", ".join([first, *(name.removeprefix("encode ") for name in others)])
 
 
 def quantiles(errors: dict[str, float], names: Iterable[str] = ("mean", "median", "p95")) -> str:

@@ -216,16 +216,6 @@ def albedo_directions() -> np.ndarray:
     return np.stack([np.sqrt(1 - cosine**2), np.zeros_like(cosine), cosine], axis=-1)
 
 
-def reference_error(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
-    """The reference's own error by stack: E and the median of P of one standard error.
-
-    Returns:
-        Two float64 arrays (S,).
-    """
-    moved = samples.f + samples.se
-    return stack_errors(moved, samples), np.median(pair_errors(moved, samples), axis=1)
-
-
 def stack_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
     """E of every stack, (S,), from values (S, M) at all pairs."""
     part = slice(None, samples.e_pairs)

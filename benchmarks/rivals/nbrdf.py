@@ -81,12 +81,12 @@ def train(f: Brdf, *, passes: int = PASSES, samples: int = 640_000) -> Nbrdf:
     wi, wo, values = training_data(f, samples)
     data = np.float32(inputs(wi, wo)), wi[:, 2:], values
     layers = initial(np.random.default_rng((0, 1)), SIZES)
-    return Nbrdf(by_passes(_loss, layers, data, RATE, passes))
 
+    def loss(layers: Layers, rows: Any, _: Any) -> Any:
+        x, cosine, values = rows
+        return log_error(perceptron(layers, x, jnp), values, cosine)
 
-def _loss(layers: Layers, rows: Any, _: Any) -> Any:
-    x, cosine, values = rows
-    return log_error(perceptron(layers, x, jnp), values, cosine)
+    return Nbrdf(by_passes(loss, layers, data, RATE, passes))
 
 
 def perceptron(layers: Layers, x: Any, xp: ModuleType) -> Any:
@@ -148,12 +148,11 @@ def by_passes(
             order = jax.random.permutation(keys[0], len(data[0]))[: steps * BATCH]
             yield order.reshape(steps, BATCH), keys[1:]
 
-    return minimised(partial(_of_rows, loss), parameters, data, drawn(), rate, passes * steps)
+    def of_rows(parameters: Any, data: Any, drawn: Any) -> Any:
+        rows, key = drawn
+        return loss(parameters, tuple(array[rows] for array in data), key)
 
-
-def _of_rows(loss: Callable[..., Any], parameters: Any, data: Any, drawn: Any) -> Any:
-    rows, key = drawn
-    return loss(parameters, tuple(array[rows] for array in data), key)
+    return minimised(of_rows, parameters, data, drawn(), rate, passes * steps)
 
 
 def minimised(

@@ -7,7 +7,7 @@ at the pairs of `benchmarks.rivals.ggx_fit`, weighted by energy, from several in
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -28,23 +28,15 @@ PRINCIPLED, RECIPE = "principled, fitted", "OpenPBR's recipe, fitted"
 GGX, NBRDF = "two GGX lobes, fitted", "NBRDF, trained"
 
 
-class Pairs(NamedTuple):
-    """Pairs of directions (N, 3), of every azimuth, and their weights (N,)."""
-
-    wi: np.ndarray
-    wo: np.ndarray
-    weight: np.ndarray
-
-
 @cache
-def pairs() -> Pairs:
-    """The pairs of `principled` and of the recipe."""
+def pairs() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The pairs (N, 3) of `principled` and of the recipe, of every azimuth, and weights (N,)."""
     rng = np.random.default_rng(0)
     chosen = rng.permutation(len(ggx_fit.pairs()[2]))[:PAIRS]
     *sides, weight = (column[chosen] for column in ggx_fit.pairs())
     turn = rng.uniform(0, 2 * np.pi, PAIRS)
     wi, wo = (turned(w, turn).astype(np.float32) for w in sides)
-    return Pairs(wi, wo, weight / weight.mean())
+    return wi, wo, weight / weight.mean()
 
 
 def tabulated(values: np.ndarray) -> Brdf:
@@ -77,17 +69,18 @@ class Form:
 def fitted(name: str, f: Brdf, channels: int = 1) -> Brdf:
     """The model of a name, `GGX` and the like, fitted to an isotropic f."""
     if name in FORMS:
-        return fit(FORMS[name], f(pairs().wi, pairs().wo), channels)
+        return fit(FORMS[name], f(*pairs()[:2]), channels)
     found: Any = ggx_fit.fit(f, 2) if name == GGX else nbrdf.train(f, passes=PASSES)
     return lambda wi, wo: found.f(wi, wo)[:, :channels]
 
 
 def fit(form: Form, values: np.ndarray, channels: int = 1) -> Brdf:
     """Fit a form to values (`PAIRS`, C) at `pairs`."""
-    p, ranges = pairs(), form.ranges
+    (wi, wo, weight), ranges = pairs(), form.ranges
     counts = [channels if name in form.colours else 1 for name in ranges]
     low, high = np.repeat(list(ranges.values()), counts, axis=0).T
-    weight, target = np.sqrt(p.weight)[:, None], np.log1p(values * p.wi[:, 2:])
+    root, cosine = np.sqrt(weight)[:, None], wi[:, 2:]
+    target = np.log1p(values * cosine)
 
     def evaluate(x: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         parts = np.split(low + x * (high - low), np.cumsum(counts)[:-1])
@@ -98,8 +91,8 @@ def fit(form: Form, values: np.ndarray, channels: int = 1) -> Brdf:
         return np.asarray(form.f(parameters, wi, wo), np.float64)[:, :channels]
 
     def residuals(x: np.ndarray) -> np.ndarray:
-        f = evaluate(x, p.wi, p.wo)
-        return ((np.log1p(np.maximum(f, 0) * p.wi[:, 2:]) - target) * weight).ravel()
+        f = evaluate(x, wi, wo)
+        return ((np.log1p(np.maximum(f, 0) * cosine) - target) * root).ravel()
 
     def jacobian(x: np.ndarray) -> np.ndarray:
         steps = np.diag(np.where(x < 0.5, STEP, -STEP))
@@ -139,10 +132,6 @@ def _principled_f(parameters: dict[str, Any], wi: np.ndarray, wo: np.ndarray) ->
     return bsdf_values(bsdf, wi, wo)
 
 
-def _recipe_f(parameters: dict[str, Any], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    return recipe.f(parameters, wi.astype(np.float64), wo.astype(np.float64))
-
-
 _UNIT = (0.0, 1.0)
 
 FORMS = {
@@ -177,7 +166,7 @@ FORMS = {
             {"base_metalness": 0.7, "specular_roughness": 0.3, "coat_roughness": 0.7,
              "coat_weight": 0.9},
         ),
-        _recipe_f,
+        lambda given, wi, wo: recipe.f(given, wi.astype(float), wo.astype(float)),
     ),
 }  # fmt: skip
 
