@@ -68,10 +68,16 @@ def examine(path: Path, name: str, source: Any, material: Material) -> dict[str,
         "P": float(np.median(measures.pair_error(material.f(wi, wo), truth))),
         "anisotropy": found.deviations.anisotropy,
         "reciprocity": found.deviations.reciprocity,
-        "PSNR": compare(pictures[1], pictures[0], inside).psnr,
+        "PSNR": compare(pictures[1], pictures[0], inside)[0],
     }
     lit = in_plane(-np.radians(ALBEDO_ANGLES))
-    parts = map(_slices, both), (directional_albedos(f, lit, anisotropic=True) for f in both)
+    count = len(INCIDENT), len(OUTGOING)
+    plane = np.repeat(in_plane(-np.radians(INCIDENT)), count[1], axis=0)
+    leaving = np.tile(in_plane(np.radians(OUTGOING)), (count[0], 1))
+    parts = (
+        [f(plane, leaving).reshape(*count, -1) for f in both],
+        [directional_albedos(f, lit, anisotropic=True) for f in both],
+    )
     slices, shares = (np.stack(np.broadcast_arrays(*part)) for part in parts)
     draw(path, f"{name}: E {percent(e)}, PSNR {figures['PSNR']:.1f} dB", slices, shares, pictures)
     return figures
@@ -96,13 +102,6 @@ def _isotropic(source: Source, averaged: bool) -> Brdf:
         return np.mean([columns(*pair) for pair in rotated_pairs(wi, wo, AZIMUTHS)], axis=0)
 
     return mean if averaged else columns
-
-
-def _slices(f: Brdf) -> np.ndarray:
-    """f in the plane of incidence (`INCIDENT`, `OUTGOING`, C)."""
-    count = len(INCIDENT), len(OUTGOING)
-    wi = np.repeat(in_plane(-np.radians(INCIDENT)), count[1], axis=0)
-    return f(wi, np.tile(in_plane(np.radians(OUTGOING)), (count[0], 1))).reshape(*count, -1)
 
 
 def draw(

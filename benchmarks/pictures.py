@@ -14,7 +14,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import flip_evaluator
 import mitsuba as mi
@@ -37,21 +37,15 @@ PASS_SPP, PASSES, LEAST_SPP, SAVE_EVERY = 16, 4, 2, 30.0
 LONG, LONG_TURNS, SLOW = 8, 4, 10
 
 
-class Comparison(NamedTuple):
-    """PSNR [dB], at most `BEST_PSNR`, and mean FLIP (Andersson et al. 2020) of two pictures."""
+def compare(image: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
+    """PSNR [dB], at most `BEST_PSNR`, and mean FLIP (Andersson et al. 2020) of pictures in sRGB.
 
-    psnr: float
-    flip: float
-
-
-def compare(image: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> Comparison:
-    """Compare the pixels of a mask (H, W) of two pictures (H, W, 3) of linear radiance, in sRGB.
-
-    A black background would make every measure better.
+    They are those of the pixels of a mask (H, W) of two pictures (H, W, 3) of linear radiance: a
+    black background would make every measure better.
     """
     image, reference = metrics.shown(image), metrics.shown(reference)
     psnr = min(metrics.psnr(image[mask], reference[mask]), BEST_PSNR)
-    return Comparison(psnr, float(flip_map(image, reference)[mask].mean()))
+    return psnr, float(flip_map(image, reference)[mask].mean())
 
 
 def flip_map(image: np.ndarray, reference: np.ndarray) -> np.ndarray:

@@ -35,25 +35,18 @@ def tables(found: Found) -> list[str]:
 
 
 def _line(law: dict[str, Any]) -> list[str]:
-    """The name of a law and its value; a broken one is called so."""
+    """The name of a law, its value and its limit; a broken one is called so."""
     name = f"broken law: {law['name']}" if law["kept"] is False else indented(law["name"])
-    return [name, _limited(law)]
-
-
-def _limited(law: dict[str, Any]) -> str:
-    """The value of a law, and its limit if it has one."""
     value = f"{law['value']:.4g} {law['unit']}".strip()
-    if law["limit"] is None:
-        return value
-    limit = f"{law['limit']:g} {law['unit']}".strip()
-    return f"{value} ({'above' if law['lower'] else 'at most'} {limit})"
+    if law["limit"] is not None:
+        limit = f"{law['limit']:g} {law['unit']}".strip()
+        value += f" ({'above' if law['lower'] else 'at most'} {limit})"
+    return [name, value]
 
 
 EXPERIMENT = Experiment(
-    cases=lambda _: {"all": None},
-    measure=lambda _, options: measure(options.model, benchmark.read()),
-    tables=tables,
+    lambda _: {"all": None},
+    *(tables, lambda _, options: measure(options.model, benchmark.read())),
     pages=("README.md", "docs/results.md", "src/urushi/nets/weights/README.md"),
     models=NETWORKS,
-    minutes=1,
 )

@@ -62,10 +62,8 @@ def tables(found: Found) -> list[str]:
 
 
 EXPERIMENT = Experiment(
-    cases=lambda _: {f"{number}": number for number in INTERFACES},
-    measure=measure,
-    tables=tables,
-    plot=plot,
+    lambda _: {f"{number}": number for number in INTERFACES},
+    *(tables, measure, plot),
     models=NETWORKS,
     minutes=2,
 )

@@ -173,9 +173,8 @@ def tables(found: Found) -> list[str]:
 
 
 EXPERIMENT = Experiment(
-    cases=lambda _: {case: case for case in SLOPES},
-    measure=lambda case, _: slopes(case),
-    tables=tables,
+    lambda _: {case: case for case in SLOPES},
+    *(tables, lambda case, _: slopes(case)),
     pages=("docs/gradients.md",),
     models=BOTH,
     minutes=2,

@@ -106,9 +106,8 @@ def tables(found: Found) -> list[str]:
 
 
 EXPERIMENT = Experiment(
-    cases=lambda _: {name: name for name in (TRUTH, *methods.METHODS)},
-    measure=measure,
-    tables=tables,
+    lambda _: {name: name for name in (TRUTH, *methods.METHODS)},
+    *(tables, measure),
     pages=("docs/referee.md",),
     models=NETWORKS,
     minutes=25,

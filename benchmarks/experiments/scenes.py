@@ -87,15 +87,11 @@ def measure(case: Case, options: Options) -> tuple[Found, dict[str, np.ndarray]]
             "samples": count,
             "relative_mse": metrics.relative_mse(images[name], reference.image, variance=noise),
             "mse": error - float(noise.mean()),
-            "flip": _flip(images[name], reference.image),
+            "flip": flip_map(*map(metrics.shown, (images[name], reference.image))).mean(),
         }
-    endless = converged(case.view, networks, samples).image
-    found["networks"]["converged"] = _flip(endless, reference.image)
+    both = converged(case.view, networks, samples).image, reference.image
+    found["networks"]["converged"] = flip_map(*map(metrics.shown, both)).mean()
     return found, images
-
-
-def _flip(image: np.ndarray, reference: np.ndarray) -> float:
-    return float(flip_map(metrics.shown(image), metrics.shown(reference)).mean())
 
 
 def plot(found: Found, pictures: Pictures) -> Any:

@@ -116,8 +116,8 @@ def measure(subject: Subject | None, options: Options) -> Found:
             name: error(name, model.f(*pair), truth[name], *pair) for name, pair in pairs.items()
         }
         if original is not None:
-            shown = compare(sphere.studio(model.f), original, sphere.mask())
-            found[method] |= {"PSNR": shown.psnr, "FLIP": shown.flip, "seconds": seconds}
+            psnr, flip = compare(sphere.studio(model.f), original, sphere.mask())
+            found[method] |= {"PSNR": psnr, "FLIP": flip, "seconds": seconds}
     return found
 
 

@@ -152,7 +152,11 @@ def percent(found: Found, name: str, interfaces: int) -> tuple[float, ...] | Non
 def tables(found: Found) -> list[str]:
     """Tables: errors, laws and costs, renders at equal time, and properties, of what is there."""
     whole = all(f"interfaces_{n}" in found for n in INTERFACES)
-    made = [error_table(found), properties(found)] if whole else []
+    made = []
+    if whole:
+        head = ["method", "bottoms", "features", "shaders"]
+        properties = table(head, [[name, METHODS[name][2]] for name in rows(found)])
+        made += [error_table(found), properties]
     if whole and {"evaluations", "renders", "memory", "new", "laws"} <= found.keys():
         made.append(cost_table(found))
     return [*made, lights(found)] if views(Options()).keys() <= found.keys() else made
@@ -208,12 +212,6 @@ def lights(found: Found) -> str:
             lines.append([name, *(" / ".join(shown(x) for x in part) for part in parts)])
     labels = " / ".join(LABELS[light] for light in LIGHTS)
     return table(["method", *(f"{scene}: {labels}" for scene in SCENES)], lines)
-
-
-def properties(found: Found) -> str:
-    """What methods have by construction."""
-    head = ["method", "bottoms", "features", "shaders"]
-    return table(head, [[name, METHODS[name][2]] for name in rows(found)])
 
 
 def shown(value: float | None) -> str:

@@ -81,14 +81,14 @@ def train(f: Brdf, *, passes: int, samples: int) -> NeuralBtf:
     """
     own = decoder(np.random.default_rng((0, 1)), LATENT_2019)
     parameters = NeuralBtf(own, np.ones(LATENT_2019, np.float32))
-    return by_passes(_loss_2019, parameters, training_data(f, samples), RATES[0], passes)
 
+    def loss(parameters: NeuralBtf, rows: Any, key: Any) -> Any:
+        wi, wo, values = rows
+        u = jax.random.uniform(key, (2, BATCH))
+        x, cosine = _inputs(wi, wo, 2 * jnp.pi * u[0], u[1] < 0.5)
+        return log_error(decode(*parameters, x, jnp), values, cosine)
 
-def _loss_2019(parameters: NeuralBtf, rows: Any, key: Any) -> Any:
-    wi, wo, values = rows
-    u = jax.random.uniform(key, (2, BATCH))
-    x, cosine = _inputs(wi, wo, 2 * jnp.pi * u[0], u[1] < 0.5)
-    return log_error(decode(*parameters, x, jnp), values, cosine)
+    return by_passes(loss, parameters, training_data(f, samples), RATES[0], passes)
 
 
 class Unified(NamedTuple):
@@ -131,22 +131,22 @@ def train_unified(wi: np.ndarray, wo: np.ndarray, values: np.ndarray, *, steps: 
         jax.random.split(jax.random.fold_in(key, start), min(100, steps - start))
         for start in range(0, steps, 100)
     )
-    return minimised(_loss_2020, untrained(), data, draws, RATES[1], steps)
 
+    def loss(networks: Unified, data: Any, key: Any) -> Any:
+        """The loss of drawn materials: codes of some of their pairs, decoded at others."""
+        materials, pairs = data[0].shape[:2]
+        draw, place, turn, exchange = jax.random.split(key, 4)
+        rows = jax.random.randint(draw, (MATERIALS, 1), 0, materials)
+        offset = jax.random.randint(place, (MATERIALS, 1), 0, pairs)
+        columns = (offset + jnp.arange(MEASURED + DECODED)) % pairs
+        wi, wo, values = (array[rows, columns] for array in data)
+        angle = 2 * jnp.pi * jax.random.uniform(turn, columns.shape)
+        x, cosine = _inputs(wi, wo, angle, jax.random.bernoulli(exchange, shape=columns.shape))
+        code = _encode(networks, x[:, :MEASURED], values[:, :MEASURED], jnp)
+        logits = decode(networks.decoder, code[:, None], x[:, MEASURED:], jnp)
+        return log_error(logits, values[:, MEASURED:], cosine[:, MEASURED:])
 
-def _loss_2020(networks: Unified, data: Any, key: Any) -> Any:
-    """The loss of drawn materials: codes of some of their pairs, decoded at others."""
-    materials, pairs = data[0].shape[:2]
-    draw, place, turn, exchange = jax.random.split(key, 4)
-    rows = jax.random.randint(draw, (MATERIALS, 1), 0, materials)
-    offset = jax.random.randint(place, (MATERIALS, 1), 0, pairs)
-    columns = (offset + jnp.arange(MEASURED + DECODED)) % pairs
-    wi, wo, values = (array[rows, columns] for array in data)
-    angle = 2 * jnp.pi * jax.random.uniform(turn, columns.shape)
-    x, cosine = _inputs(wi, wo, angle, jax.random.bernoulli(exchange, shape=columns.shape))
-    code = _encode(networks, x[:, :MEASURED], values[:, :MEASURED], jnp)
-    logits = decode(networks.decoder, code[:, None], x[:, MEASURED:], jnp)
-    return log_error(logits, values[:, MEASURED:], cosine[:, MEASURED:])
+    return minimised(loss, untrained(), data, draws, RATES[1], steps)
 
 
 def _encode(networks: Unified, x: Any, values: Any, xp: ModuleType) -> Any:
