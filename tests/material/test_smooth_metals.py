@@ -56,7 +56,7 @@ def test_light_that_a_clear_coat_traps_over_a_sharp_metal_is_that_of_the_walk():
     assert abs(error) < 0.004 + 2 * se[0, 0]
 
 
-@pytest.mark.xfail(strict=True, reason="codes, as of textures, blur the lobes of smooth metals")
+@pytest.mark.xfail(strict=True, reason="codes, as of files, blur the lobes of smooth metals")
 def test_codes_of_smooth_gold_under_a_clear_coat():
     bottom = urushi.encode(SMOOTH)
     coat = CoatParameters(*map(np.array, (0.01, 1.5, 0.0, 0.0, 0.0)))
