@@ -173,8 +173,9 @@ def tables(found: Found) -> list[str]:
 
 
 EXPERIMENT = Experiment(
-    lambda _: {case: case for case in SLOPES},
-    *(tables, lambda case, _: slopes(case)),
+    cases=lambda _: {case: case for case in SLOPES},
+    tables=tables,
+    measure=lambda case, _: [*slopes(case)],
     pages=("docs/gradients.md",),
     models=BOTH,
     minutes=2,
