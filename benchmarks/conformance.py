@@ -8,10 +8,10 @@ materials and pairs again from fixed seeds, in about a minute on two cores of an
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import mitsuba as mi
 import numpy as np
@@ -34,57 +34,46 @@ KIND, FILE = "conformance", Path(__file__).with_suffix(".safetensors")
 WALKS, PILOT, MOST_ROUNDS, ERROR = 1024, 2, 64, 0.004
 
 
-class Reference(NamedTuple):
-    """A file of reference values.
-
-    Attributes:
-        parameters: of the M materials, by their names.
-        wi, wo: float32 (N, 3), unit vectors above the horizon, z the normal, x the tangent.
-        f, se: float32 (M, N, 3) [1/sr], mean and standard error, linear sRGB, without cosine.
-    """
-
-    parameters: dict[str, dict[str, Any]]
-    wi: np.ndarray
-    wo: np.ndarray
-    f: np.ndarray
-    se: np.ndarray
+#: Arrays of the reference by name: wi and wo float32 (N, 3), unit vectors above the horizon, z the
+#: normal, x the tangent; f and se float32 (M, N, 3) [1/sr], mean and standard error, linear sRGB,
+#: without cosine.
+Arrays = dict[str, np.ndarray]
 
 
-def read() -> Reference:
-    """The file that ships.
+def read() -> tuple[dict[str, dict[str, Any]], Arrays]:
+    """Parameters of the M materials by their names, and values, of the file that ships.
 
     Raises:
         FileError: missing or damaged.
     """
     description, arrays = files.read_tensors(FILE, KIND)
-    materials = {entry["name"]: entry["parameters"] for entry in description["materials"]}
-    return Reference(materials, *(arrays[name] for name in ("wi", "wo", "f", "se")))
+    return {entry["name"]: entry["parameters"] for entry in description["materials"]}, arrays
 
 
-def errors(values: np.ndarray, reference: Reference) -> np.ndarray:
+def errors(values: np.ndarray, reference: Arrays) -> np.ndarray:
     """E and error of the albedo (M, 2) of values (M, N, 3) [1/sr] of a renderer.
 
     Raises:
         ParameterError: the shape is not the reference's, or a value is not finite.
     """
     (values,) = finite(f=values)
-    if values.shape != reference.f.shape:
+    if values.shape != reference["f"].shape:
         raise ParameterError(
-            f"f has the shape {values.shape}; give one of {reference.f.shape}: materials, pairs "
+            f"f has the shape {values.shape}; give one of {reference['f'].shape}: materials, pairs "
             "and channels of the reference"
         )
-    both = zip(values, reference.f, strict=True)
-    return np.array([coat_errors(*pair, reference.wi, reference.wo) for pair in both])
+    both = zip(values, reference["f"], strict=True)
+    return np.array([coat_errors(*pair, reference["wi"], reference["wo"]) for pair in both])
 
 
-def errors_table(reference: Reference, results: Mapping[str, np.ndarray]) -> str:
+def errors_table(names: Iterable[str], reference: Arrays, results: Mapping[str, np.ndarray]) -> str:
     """E and error of the albedo [%] by material and renderer, and the reference's noise."""
     # The mean size of a normal error is 0.8 of its deviation.
-    noise = errors(reference.f + np.sqrt(2 / np.pi) * reference.se, reference)[:, 0]
+    noise = errors(reference["f"] + np.sqrt(2 / np.pi) * reference["se"], reference)[:, 0]
     found = np.stack(list(results.values()), axis=1)
     rows = [
         [name, *(f"{100 * e:.2f} / {100 * a:+.1f}" for e, a in own), f"{100 * noise[k]:.2f}"]
-        for k, (name, own) in enumerate(zip(reference.parameters, found, strict=True))
+        for k, (name, own) in enumerate(zip(names, found, strict=True))
     ]
     found = np.abs(found)
     for name, whole in (("mean", np.mean), ("95th percentile", partial(np.percentile, q=95))):
@@ -126,10 +115,10 @@ def _walked(
 
 def write(path: str | os.PathLike) -> None:
     """Simulate the materials of the file that ships at its pairs, and write a file."""
-    (description, arrays), reference = files.read_tensors(FILE, KIND), read()
+    (description, arrays), (materials, _) = files.read_tensors(FILE, KIND), read()
     simulated = [
-        simulate(parameters, reference.wi, reference.wo)
-        for parameters in tqdm(reference.parameters.values(), disable=None)
+        simulate(parameters, arrays["wi"], arrays["wo"])
+        for parameters in tqdm(materials.values(), disable=None)
     ]
     f, se = (np.stack(x) for x in zip(*simulated, strict=True))
     files.write_tensors(path, KIND, description, arrays | {"f": f, "se": se})
@@ -146,15 +135,16 @@ def main(values: Path | None = None, make: Path | None = None) -> None:
     if make is not None:
         write(make)
         return
-    reference = read()
-    parameters, pairs = reference.parameters.values(), (reference.wi, reference.wo)
+    materials, reference = read()
+    parameters, pairs = materials.values(), (reference["wi"], reference["wo"])
     if values is None:
         found = {"urushi": [bsdf_values(openpbr(**own).bsdf(), *pairs) for own in parameters]}
         for name in openpbr_recipe.RECIPES:
             found[name] = [openpbr_recipe.f(own, *pairs, recipe=name) for own in parameters]
     else:
         found = {values.stem: read_npz(values, "f")[0]}
-    print(errors_table(reference, {k: errors(np.array(f), reference) for k, f in found.items()}))
+    results = {k: errors(np.array(f), reference) for k, f in found.items()}
+    print(errors_table(materials, reference, results))
 
 
 if __name__ == "__main__":

@@ -80,11 +80,6 @@ def layered() -> urushi.Material:
     return urushi.layer(top, urushi.encode(gold()), albedo=0.3, sigma_t=2.0)
 
 
-def lobe(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """A BRDF (N, 3) that no description has."""
-    return np.exp(-3 * np.sum((wi - wo) ** 2, 1))[:, None] * [0.1, 0.2, 0.3]
-
-
 def colors() -> dict[str, Any]:
     """Textures of a bottom."""
     return {"base_color": texture(64, 0.05, 0.9, 3, 1), "roughness": texture(64, 0.2, 0.9, 1, 2)}
@@ -120,7 +115,9 @@ def codes() -> Entries:
         **{name: saved(bsdf, urushi.load) for name, bsdf in bsdfs.items()},
         "encoded description": urushi.encode(gold()),
         "encoded stack": urushi.encode(stack()),
-        "encoded function": urushi.encode(lobe),
+        "encoded function": urushi.encode(
+            lambda wi, wo: np.exp(-3 * np.sum((wi - wo) ** 2, 1))[:, None] * [0.1, 0.2, 0.3]
+        ),
         "layered": layered(),
         "blended": urushi.lerp(urushi.encode(gold()), layered(), 0.3),
     }

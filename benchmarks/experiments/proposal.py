@@ -10,7 +10,7 @@ the integral of (f cos)^2 / q.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import benchmark, predict
@@ -21,7 +21,6 @@ from fan2022.inference import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from tqdm import tqdm
 
 from urushi.core.namespace import NUMPY, components
-from urushi.material import Material
 
 MATERIALS, SAMPLES = 200, 512
 ANGLES = tuple(range(0, 90, 5))
@@ -41,50 +40,21 @@ SIGMAS = np.geomspace(MIN_SIGMA, 1, 24).astype(np.float32)
 COSINE_SHARES = np.linspace(MIN_SHARE, 1 - MIN_SHARE, 17).astype(np.float32)
 
 
-class Drawn(NamedTuple):
-    """Samples of one material by angle of wi: directions (A, S, 3), density and f cos (A, S)."""
+def gaussian(wi: np.ndarray, wo: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """The density (A, S) of the paper's proposal that diverges least from f cos over all wi.
 
-    wi: np.ndarray
-    wo: np.ndarray
-    pdf: np.ndarray
-    f_cos: np.ndarray
-
-
-def draw(material: Material, seed: int) -> Drawn:
-    """Draw directions from the material's own proposal."""
-    wi = np.repeat(in_plane(np.radians(ANGLES)), SAMPLES, axis=0)
-    u = np.random.default_rng(seed).random((len(wi), 3), np.float32)
-    wo, pdf = material.sample(wi, u)
-    f_cos = material.f(wi, wo).mean(axis=1) * wo[:, 2]
-    shape = (len(ANGLES), SAMPLES)
-    return Drawn(*(array.reshape(*shape, *array.shape[1:]) for array in (wi, wo, pdf, f_cos)))
-
-
-def variation(drawn: Drawn, q: np.ndarray) -> np.ndarray:
-    """Coefficients of variation (A,) of f cos / q for a density q (A, S)."""
-    mean = (drawn.f_cos / drawn.pdf).mean(axis=1)
-    second = (drawn.f_cos**2 / (q * drawn.pdf)).mean(axis=1)
-    return np.sqrt(np.maximum(second / mean**2 - 1, 0))
-
-
-def density(mixture: GaussianMixture, drawn: Drawn) -> np.ndarray:
-    """The density (A, S) [1/sr] of a proposal at drawn directions."""
-    return mixture.pdf(components(drawn.wi), components(drawn.wo), NUMPY)
-
-
-def best_gaussian(drawn: Drawn) -> GaussianMixture:
-    """The paper's proposal that diverges least from f cos over all wi."""
-    target = drawn.f_cos / drawn.pdf
+    target: (A, S) f cos over the density of the directions, (A, S, 3).
+    """
+    pairs, best, least = (components(wi), components(wo), NUMPY), target, math.inf
     target = target / target.sum(axis=1, keepdims=True)
-    best, least = (SIGMAS[0], COSINE_SHARES[0]), math.inf
     for sigma in SIGMAS:
-        parts = [density(GaussianMixture(sigma, np.float32(s)), drawn) for s in (0, 1)]
+        parts = [GaussianMixture(sigma, np.float32(s)).pdf(*pairs) for s in (0, 1)]
         for share in COSINE_SHARES:
             q = np.maximum((1 - share) * parts[0] + share * parts[1], 1e-12)
             divergence = -(target * np.log(q)).sum()
             if divergence < least:
-                best, least = (sigma, share), divergence
-    return GaussianMixture(*best)
+                best, least = GaussianMixture(sigma, share).pdf(*pairs), divergence
+    return np.maximum(best, 1e-12)
 
 
 def measure(_: None, options: Options) -> Found:
@@ -93,11 +63,19 @@ def measure(_: None, options: Options) -> Found:
     made = [m for samples in held for m in predict.materials(options.model, samples)]
     chosen = np.linspace(0, len(made) - 1, options.count(MATERIALS)).astype(int)
     rows = []
+    wi, shape = np.repeat(in_plane(np.radians(ANGLES)), SAMPLES, axis=0), (len(ANGLES), SAMPLES)
     for seed, index in enumerate(tqdm(chosen, desc="materials", disable=None)):
-        drawn = draw(made[index], seed)
-        gaussian = np.maximum(density(best_gaussian(drawn), drawn), 1e-12)
-        densities = (drawn.pdf, gaussian, drawn.wo[..., 2] / math.pi)
-        rows.append([(variation(drawn, q), (drawn.f_cos / q).max(axis=1)) for q in densities])
+        # Directions of the material's own proposal, by angle of wi.
+        u = np.random.default_rng(seed).random((len(wi), 3), np.float32)
+        wo, pdf = made[index].sample(wi, u)
+        f_cos = (made[index].f(wi, wo).mean(axis=1) * wo[:, 2]).reshape(shape)
+        sides, pdf = [w.reshape(*shape, 3) for w in (wi, wo)], pdf.reshape(shape)
+        mean = (f_cos / pdf).mean(axis=1)
+        densities = pdf, gaussian(*sides, f_cos / pdf), sides[1][..., 2] / math.pi
+        second = [(f_cos**2 / (q * pdf)).mean(axis=1) for q in densities]
+        variation = np.sqrt(np.maximum(np.array(second) / mean**2 - 1, 0))
+        weights = [(f_cos / q).max(axis=1) for q in densities]
+        rows.append(np.stack([variation, weights], axis=1))
     values = np.moveaxis(np.array(rows), 0, 2)  # (proposals, 2, M, A)
     return {
         name: {

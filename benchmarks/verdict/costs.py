@@ -95,19 +95,14 @@ def renders(paper: str) -> dict[str, dict[str, float]]:
             for name, plugin in PLUGINS.items()
         }
         times = {name: seconds for name, (seconds, _) in spheres.renders(scenes, SAMPLES).items()}
-        times[known.PAPER] = _rendered_by_paper(paper, textures)
+        scene = spheres.scene(spheres.material(PAPER + paper, textures, PAPER_TEXELS), SIDE)
+        with separate_kernels():
+            slow = [spheres.seconds(scene, SAMPLES // PAPER_PARTS, 1) for _ in range(TURNS + 1)]
+        times[known.PAPER] = PAPER_PARTS * min(slow[1:])
+        del scene
+        gc.collect()
         found[kind] = {name: t / times[PRINCIPLED] for name, t in times.items()}
     return found
-
-
-def _rendered_by_paper(weights: str, textures: int) -> float:
-    """CPU time of a render by the system of Fan et al. (2022) [s]."""
-    scene = spheres.scene(spheres.material(PAPER + weights, textures, PAPER_TEXELS), SIDE)
-    with separate_kernels():
-        times = [spheres.seconds(scene, SAMPLES // PAPER_PARTS, 1) for _ in range(TURNS + 1)]
-    del scene
-    gc.collect()
-    return PAPER_PARTS * min(times[1:])
 
 
 def memory() -> dict[str, dict[str, int]]:

@@ -125,17 +125,17 @@ def test_tiles_of_cycles_show_the_brdf():
 
 
 def test_wrong_values_are_refused():
-    reference = conformance.read()
+    _, reference = conformance.read()
     with pytest.raises(ParameterError, match="give one of \\(40, 300, 3\\)"):
-        conformance.errors(reference.f[:3], reference)
+        conformance.errors(reference["f"][:3], reference)
     with pytest.raises(ParameterError, match="must be finite"):
-        conformance.errors(np.full(reference.f.shape, np.nan), reference)
+        conformance.errors(np.full_like(reference["f"], np.nan), reference)
 
 
 def test_values_of_another_renderer_are_compared(tmp_path, capsys):
     """All 25 % too bright: every line has an E and an albedo's error of 25 %."""
     path = tmp_path / "mine.npz"
-    np.savez(path, f=1.25 * conformance.read().f)
+    np.savez(path, f=1.25 * conformance.read()[1]["f"])
     conformance.main(path)
     lines = capsys.readouterr().out.splitlines()
     assert " mine " in lines[0] and len(lines) == 2 + 40 + 2
