@@ -49,10 +49,8 @@ class Nodes:
         t = np.radians(angles)
         wi = np.stack([np.sin(t), 0 * t, np.cos(t)], axis=-1)
         self.wo, weights = half_vector_rule(wi, azimuths=azimuths)
-        self.wi, self.weights = (
-            np.broadcast_to(wi[:, None], self.wo.shape),
-            weights * self.wo[..., 2],
-        )
+        self.wi = np.broadcast_to(wi[:, None], self.wo.shape)
+        self.weights = weights * self.wo[..., 2]
         self.flat = [w.reshape(-1, 3).astype(np.float32) for w in (self.wi, self.wo)]
 
     def lobe(self, alpha: float, eta: float = 1.0) -> np.ndarray:
@@ -163,11 +161,11 @@ def internal(row: dict[str, Any]) -> float:
     return float((q - 1) / (q * bare[-1] - bare[0]))
 
 
-def darkened(found: Found, constants: np.ndarray | None = None) -> dict[str, np.ndarray]:
+def darkened(found: Found, constants: tuple[float, ...] = ()) -> dict[str, np.ndarray]:
     """Coated over bare albedo of metals (N, 2), of the darker over that of the brightest, by rules.
 
     Light that rough surfaces lose cancels in it. Diffuse light has the K of a Lambertian base under
-    the same coat. constants: of the fit; None: those of docs/coat_formulas.py.
+    the same coat. constants: of the fit; by default those of docs/coat_formulas.py.
     """
     parts = [row for name in found if name != "walk" for row in found[name]]
     diffuse = {(r["eta"], r["coat"]): internal(r) for r in parts if r["base"] is None}
@@ -175,11 +173,10 @@ def darkened(found: Found, constants: np.ndarray | None = None) -> dict[str, np.
     eta, base, bare, coated = columns(rows, "eta", "base", "bare", "coated")
     wide = np.array([diffuse[row["eta"], row["coat"]] for row in rows])
     smooth = ((eta - 1) / (eta + 1)) ** 2
-    given = () if constants is None else tuple(constants)
     rules = {
         "none": 0 * eta,
         "OpenPBR 1.1": smooth + (wide - smooth) * base,
-        "fit": FORMULAS.internal_reflection(eta, base, wide, *given),
+        "fit": FORMULAS.internal_reflection(eta, base, wide, *constants),
     }
     ratio = coated / bare
     made = {"transport": ratio[:, :-1] / ratio[:, -1:]}
@@ -250,22 +247,21 @@ def fit(found: Found) -> dict[str, np.ndarray]:
     """The constants of docs/coat_formulas.py by least squares of r, and of the darkening."""
     rows = metals(found)
     eta, coat, base, effective, inside = columns(rows, "eta", "coat", "base", "effective", "inside")
-    ratio = darkened(found)["transport"]
-
-    def outside(x: np.ndarray) -> np.ndarray:
-        return FORMULAS.base_roughness(eta, coat, base, *x) - effective
-
-    def within(x: np.ndarray) -> np.ndarray:
-        return FORMULAS.base_roughness_inside(eta, coat, base, *x) - inside
-
-    def internal(x: np.ndarray) -> np.ndarray:
-        return (darkened(found, x)["fit"] / ratio - 1).ravel()
-
-    return {
-        "outside": least_squares(outside, [0.9, 0.55, 2.2, 1.6, 0.9]).x,
-        "inside": least_squares(within, [1.3, 0.6, 3.5]).x,
-        "internal": least_squares(internal, [1.5, 2]).x,
+    rules = {
+        "outside": (FORMULAS.base_roughness, effective),
+        "inside": (FORMULAS.base_roughness_inside, inside),
     }
+
+    def fitted(residuals: Callable[..., np.ndarray], rule: Any, skipped: int = 0) -> np.ndarray:
+        return least_squares(lambda x: residuals(*x), rule.__defaults__[skipped:]).x
+
+    made = {
+        name: fitted(lambda *x, r=rule, known=known: r(eta, coat, base, *x) - known, rule)
+        for name, (rule, known) in rules.items()
+    }
+    ratio, rule = darkened(found)["transport"], FORMULAS.internal_reflection
+    made["internal"] = fitted(lambda *x: (darkened(found, x)["fit"] / ratio - 1).ravel(), rule, 1)
+    return made
 
 
 def main() -> None:
@@ -274,11 +270,9 @@ def main() -> None:
     assert stored is not None
     for name, constants in fit(stored["cases"]).items():
         print(name, np.round(constants, 3))
-    rows = metals(stored["cases"])
     with (DOCS / "coat_roughness.csv").open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(line(row) for row in rows)
+        rows = map(line, metals(stored["cases"]))
+        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
 
 
 #: Columns of the table of all results, and what they show of a row.

@@ -133,23 +133,18 @@ def tables(found: Found) -> list[str]:
     """E of the drawn materials, and means and medians of all."""
     columns = [(coats, form) for coats in COATS for form in FORMS]
     columns.insert(4, ("clear coat", VARYING))
-    rows = {f"{n}, {found[n]['file']}": [found[n]] for n in SHOWN if n in found}
+
+    def line(label: str, members: list[Found], mean: Any = np.mean) -> list[str]:
+        values = [mean([m[form][coats] for m in members]) for coats, form in columns]
+        return [label, *(f"{100 * value:.2g}" for value in values)]
+
+    body = [line(f"{n}, {found[n]['file']}", [found[n]]) for n in SHOWN if n in found]
     for kind in dict.fromkeys(case["file"] for case in found.values()):
         members = [case for case in found.values() if case["file"] == kind]
-        for label in ("mean", "median"):
-            rows[f"{label} of {len(members)}, {kind}"] = members
-    values = {
-        label: [
-            (np.median if label.startswith("median") else np.mean)([m[f][c] for m in members])
-            for c, f in columns
-        ]
-        for label, members in rows.items()
-    }
-    noise = [np.mean([case["noise"][c] for case in found.values()]) for c, _ in columns]
-    values["the walk's own error"] = noise
-    body = [
-        [label, *(f"{100 * number:.2g}" for number in numbers)] for label, numbers in values.items()
-    ]
+        for label, mean in (("mean", np.mean), ("median", np.median)):
+            body.append(line(f"{label} of {len(members)}, {kind}", members, mean))
+    noise = [dict.fromkeys((*FORMS, VARYING), case["noise"]) for case in found.values()]
+    body.append(line("the walk's own error", noise))
     return [table(["material: E [%]", *map(": ".join, columns)], body)]
 
 

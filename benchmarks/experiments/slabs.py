@@ -87,17 +87,16 @@ def plot(found: Found, _: Pictures) -> Any:
 def tables(found: Found) -> list[str]:
     """A table: reflected and transmitted share by walk and table, at a few angles."""
     head = ["slab", *(f"{angle}°: walk; table" for angle in SHOWN)]
-    rows = []
-    for name in found:
-        cells = [name]
-        for angle in SHOWN:
-            at = ANGLES.index(angle)
-            pairs = (
-                " + ".join(f"{100 * share[at]:.1f}" for share in found[name][kind])
-                for kind in ("walk", "tables")
-            )
-            cells.append("; ".join(pairs) + " %")
-        rows.append(cells)
+
+    def cell(case: Found, at: int) -> str:
+        walk, tables = (
+            " + ".join(f"{100 * share[at]:.1f}" for share in case[kind])
+            for kind in ("walk", "tables")
+        )
+        return f"{walk}; {tables} %"
+
+    places = [ANGLES.index(angle) for angle in SHOWN]
+    rows = [[name, *(cell(case, at) for at in places)] for name, case in found.items()]
     return [table(head, rows)]
 
 
