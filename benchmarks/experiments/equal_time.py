@@ -4,13 +4,10 @@ Passes of the walk, of codes and of Mitsuba's `principled` alternate in one proc
 squared errors at equal CPU time are for the time in which the walk takes `COUNT` samples per pixel.
 """
 
-from typing import Any
-
-import numpy as np
-from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
+from benchmarks.experiment import NETWORKS, Experiment, Found, Options
 from benchmarks.pictures import Method, View, at_equal_time
 from benchmarks.scenes import LIGHTS, PRINCIPLED, WALK
-from benchmarks.showing import COLOURS, figure, table
+from benchmarks.showing import table
 
 from urushi.nets.weights import DEFAULT
 
@@ -59,26 +56,6 @@ def gain(walk: Method, method: Method, bias: float, second: float | None = None)
     return walk.variance / (spread + COUNT * bias)
 
 
-def plot(found: Found, _: Pictures) -> Any:
-    """Bars of codes and of the exact BSDF for each light of a scene."""
-    picture = figure(9, 3.6)
-    axes, places = picture.subplots(1, len(SCENES), sharey=True), np.arange(len(LIGHTS))
-    labels = {"networks": "codes", "exact": "exact, at the cost of principled"}
-    for axis, scene in zip(axes, SCENES, strict=True):
-        for shift, (name, label) in zip((-0.2, 0.2), labels.items(), strict=True):
-            values = [found[f"{scene}, {light}"][name] for light in LIGHTS]
-            axis.bar(places + shift, values, 0.38, color=COLOURS[name], label=label)
-            for place, value in zip(places + shift, values, strict=True):
-                axis.text(place, value, f"{value:.1f}", ha="center", va="bottom", fontsize=8)
-        axis.axhline(1, color=COLOURS["walk"], linewidth=1)
-        axis.set_xticks(places, LABELS.values(), fontsize=8)
-        axis.set_title(scene, fontsize=10)
-        axis.margins(y=0.12)
-    axes[0].set_ylabel(f"times less error than the walk's,\nat its {COUNT} samples per pixel")
-    picture.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
-    return picture
-
-
 def tables(found: Found) -> list[str]:
     """A row for each scene and light."""
     columns = ("time", "variance", "networks", "exact")
@@ -89,4 +66,4 @@ def tables(found: Found) -> list[str]:
     return [table(["scene", "light", *columns], rows)]
 
 
-EXPERIMENT = Experiment(cases, tables, measure, plot, models=NETWORKS, minutes=7)
+EXPERIMENT = Experiment(cases, tables, measure, models=NETWORKS, minutes=7)

@@ -14,12 +14,12 @@ from typing import Any
 import jax
 import numpy as np
 from benchmarks import measures, sphere, timing
-from benchmarks.experiment import NETWORKS, PARTS, Experiment, Found, Options, Pictures
+from benchmarks.experiment import NETWORKS, PARTS, Experiment, Found, Options
 from benchmarks.measures import half_angle_pairs
 from benchmarks.pictures import compare
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
 from benchmarks.rivals.nbrdf import size, training_pairs
-from benchmarks.showing import figure, interval, table
+from benchmarks.showing import interval, table
 from benchmarks.subjects import SEED, Subject, subjects, training_set
 from fan2022 import architecture as paper
 from fan2022.pairs import stratified_pairs
@@ -166,26 +166,6 @@ def measured(found: Found, error: str) -> dict[str, dict[str, np.ndarray]]:
     return result
 
 
-def plot(found: Found, _: Pictures) -> Any:
-    """Means of E and P with their intervals, by group and method."""
-    picture = figure(8.4, 3.4)
-    axes = picture.subplots(1, 2, sharey=True)
-    titles = "E: reflected energy", "P: highlights and dark directions"
-    for axis, name, title in zip(axes, ("E", "P"), titles, strict=True):
-        for place, (method, by_group) in enumerate(measured(found, name).items()):
-            means = np.array([values.mean() for values in by_group.values()])
-            bounds = np.array([interval(values) for values in by_group.values()]).T
-            x = np.arange(len(means)) + 0.12 * (place - 3)
-            look = {"marker": "o", "ms": 4, "ls": "", "capsize": 2, "color": f"C{place}"}
-            axis.errorbar(x, means, np.abs(bounds - means), label=method, **look)
-        axis.set_xticks(np.arange(len(groups(found))), list(groups(found)), fontsize=8)
-        axis.set(yscale="log", title=title)
-        axis.grid(axis="y", alpha=0.3)
-    axes[0].set_ylabel("error [%]")
-    picture.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
-    return picture
-
-
 def storage() -> dict[str, tuple[int, int, str]]:
     """Numbers of a texel, of a decoder, and what one decoder serves, by method."""
     old, new = rainer.LATENT_2019, rainer.LATENT_2020
@@ -247,7 +227,7 @@ def _errors(found: Found, name: str) -> str:
 
 EXPERIMENT = Experiment(
     lambda options: {"evaluation": None} | {s.name: s for s in subjects(options)},
-    *(tables, measure, plot),
+    *(tables, measure),
     models=NETWORKS,
     minutes=45,
 )
