@@ -41,6 +41,11 @@ def kernel(record: Callable[[], Any]) -> float:
     return seconds(evaluate)
 
 
+def calls(functions: Mapping[str, Callable[[], Any]], turns: int) -> dict[str, float]:
+    """The least CPU time of each function over turns of all [s]; see `least`."""
+    return least({name: partial(seconds, call) for name, call in functions.items()}, turns)
+
+
 def least(operations: Mapping[str, Callable[[], float]], turns: int) -> dict[str, float]:
     """The least time that each operation returns over turns of all; the first one compiles."""
     times: dict[str, list[float]] = {name: [] for name in operations}

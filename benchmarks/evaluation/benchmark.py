@@ -129,12 +129,21 @@ def write(
     path: str | os.PathLike, sets: Mapping[str, Samples], groups: tuple[Group, ...] = GROUPS
 ) -> None:
     """Write simulated sets by the groups' names to a file."""
-    simulated = [group for group in groups if group.distribution.coats]
-    arrays = {
-        f"{group.name}.{name}": array
-        for group in simulated
-        for name, array in _arrays(sets[group.name]).items()
-    }
+    simulated, arrays = [group for group in groups if group.distribution.coats], {}
+    for group in simulated:
+        held = sets[group.name]
+        table, names = held.table, KINDS[held.table.kind].parameters
+        own = {
+            "coats": np.stack([getattr(table, name) for name in CoatParameters._fields], axis=-1),
+            "bottom": np.stack([table.bottom[name] for name in names], axis=-1),
+            "last_pair": np.stack([held.wi[:, -1], held.wo[:, -1]], axis=1),
+            "f": held.f,
+            "se": held.se.astype(np.float16),
+            **{f"probed{coats}": values for coats, values in held.probed.items()},
+            "albedo": held.albedo,
+            "albedo_se": held.albedo_se,
+        }
+        arrays |= {f"{group.name}.{name}": array for name, array in own.items()}
     packages = {name: version(name) for name in ("urushi", "numpy", "drjit")}
     description: dict[str, Any] = {
         "seed": SEED,
@@ -142,23 +151,6 @@ def write(
         "versions": {"python": platform.python_version(), **packages},
     }
     files.write_tensors(path, KIND, description, arrays)
-
-
-def _arrays(samples: Samples) -> dict[str, np.ndarray]:
-    """The stored arrays of a set by name."""
-    table = samples.table
-    bottom = [table.bottom[name] for name in KINDS[table.kind].parameters]
-    coats = [getattr(table, name) for name in CoatParameters._fields]
-    return {
-        "coats": np.stack(coats, axis=-1),
-        "bottom": np.stack(bottom, axis=-1),
-        "last_pair": np.stack([samples.wi[:, -1], samples.wo[:, -1]], axis=1),
-        "f": samples.f,
-        "se": samples.se.astype(np.float16),
-        **{f"probed{coats}": values for coats, values in samples.probed.items()},
-        "albedo": samples.albedo,
-        "albedo_se": samples.albedo_se,
-    }
 
 
 def simulate(group: Group, seed: int = 0, *, only_e: bool = False) -> Samples:

@@ -101,12 +101,7 @@ def walks(options: Options) -> Found:
         )
         for name, stack in STACKS.items()
     }
-    return {name: PAIRS * number / 1e6 / s for name, s in least(calls).items()}
-
-
-def least(calls: dict[str, Callable[[], Any]]) -> dict[str, float]:
-    """CPU seconds of calls."""
-    return timing.least({k: partial(timing.seconds, call) for k, call in calls.items()}, TURNS)
+    return {name: PAIRS * number / 1e6 / s for name, s in timing.calls(calls, TURNS).items()}
 
 
 def materials(options: Options) -> Found:
@@ -117,14 +112,13 @@ def materials(options: Options) -> Found:
     with tempfile.TemporaryDirectory() as folder:
         path = synthetic_merl(Path(folder) / "synthetic.binary")
         measured = urushi.load_measured(path)
-        return least(
-            {
-                "encode one RGB material": lambda: urushi.encode(gold, model),
-                "layer one RGB material": lambda: urushi.layer(top, bottom, **medium),
-                "read a MERL file": lambda: urushi.load_measured(path),
-                "encode a MERL file": lambda: urushi.encode(measured, model),
-            }
-        )
+        calls: dict[str, Callable[[], Any]] = {
+            "encode one RGB material": lambda: urushi.encode(gold, model),
+            "layer one RGB material": lambda: urushi.layer(top, bottom, **medium),
+            "read a MERL file": lambda: urushi.load_measured(path),
+            "encode a MERL file": lambda: urushi.encode(measured, model),
+        }
+        return timing.calls(calls, TURNS)
 
 
 def slabs(_: Options) -> Found:

@@ -142,8 +142,8 @@ def evaluation() -> dict[str, float]:
     models["Urushi"] = urushi.encode(urushi.coat(surface, 0.1, 1.5, 0.7, 1.0))
     pairs = direction_sets.cosine_pairs(rng, EVALUATED)
     calls = {name: partial(model.f, *pairs) for name, model in models.items()}
-    least = timing.least({k: partial(timing.seconds, call) for k, call in calls.items()}, TURNS)
-    return {name: 1e6 * value / EVALUATED for name, value in least.items()}
+    times = timing.calls(calls, TURNS)
+    return {name: 1e6 * value / EVALUATED for name, value in times.items()}
 
 
 def groups(found: Found) -> dict[str, list[Found]]:

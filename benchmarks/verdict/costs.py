@@ -60,10 +60,10 @@ def evaluations(paper: str) -> dict[str, float]:
     stack = urushi.coat(GOLD, 0.1, 1.5, albedo=0.8, sigma_t=(0.2, 1, 2))
     pairs = wi[: EVALUATIONS // WALKS], wo[: EVALUATIONS // WALKS]
     walks = {
-        name: partial(timing.seconds, partial(walk.simulate, stack, *pairs, walks=WALKS))
+        name: partial(walk.simulate, stack, *pairs, walks=WALKS)
         for name, walk in known.ESTIMATORS.items()
     }
-    both = timing.least(walks, EVALUATION_TURNS)
+    both = timing.calls(walks, EVALUATION_TURNS)
     least[known.BOTH_WAYS] = both[known.BOTH_WAYS] / both[known.WALK] * least[known.WALK]
     least[known.PAPER] = _evaluated_by_paper(paper, wi, wo)
     found = {name: t / least[PRINCIPLED] for name, t in least.items()}
@@ -81,8 +81,7 @@ def _evaluated_by_paper(weights: str, wi: np.ndarray, wo: np.ndarray) -> float:
             dr.eval(recorded())
             dr.sync_thread()
 
-    least = timing.least({known.PAPER: partial(timing.seconds, evaluate)}, TURNS)
-    return PAPER_EVALUATION_PARTS * least[known.PAPER]
+    return PAPER_EVALUATION_PARTS * timing.calls({"f": evaluate}, TURNS)["f"]
 
 
 def renders(paper: str) -> dict[str, dict[str, float]]:
@@ -143,8 +142,7 @@ def new_materials(paper: PaperNetworks) -> dict[str, float]:
     def make(system: Any, networks: Any) -> None:
         system.layer(top, system.encode(GOLD, networks), albedo=0.8, sigma_t=(0.2, 1.0, 3.0))
 
-    own = partial(timing.seconds, partial(make, urushi, default_model()))
-    least = timing.least({known.NETWORKS: own}, OPERATIONS)
+    least = timing.calls({known.NETWORKS: partial(make, urushi, default_model())}, OPERATIONS)
     fresh = PaperNetworks(paper.arch, paper.params, {})  # it has kept no codes
     least[known.PAPER] = timing.seconds(partial(make, fan2022, fresh))
     return least
