@@ -8,7 +8,7 @@ same scene.
 
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -116,19 +116,22 @@ def _light(kind: str, sensor: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def _with_coats(node: dict[str, Any], change: Callable[[dict], dict]) -> dict[str, Any]:
+    """The description with another node in the place of every coat."""
+    if node.get("type") in COATS or node.get("reference") == COATS[0]:
+        return change(node)
+    return {k: _with_coats(v, change) if isinstance(v, dict) else v for k, v in node.items()}
+
+
 def _with_method(node: dict[str, Any], method: str) -> dict[str, Any]:
     """The description with the method's material in the place of every coat."""
-    if node.get("type") == COATS[0] or node.get("reference") == COATS[0]:
-        if method == PRINCIPLED:
-            return _principled(node)
-        # Without weights a coat chooses the shipped networks that its surfaces need.
-        return node if method == networks.DEFAULT else node | coat(method)
-    if node.get("type") == WALK and method in RIVALS:
-        node = {**node, "type": method}
-    return {
-        key: _with_method(value, method) if isinstance(value, dict) else value
-        for key, value in node.items()
-    }
+    if method in RIVALS:
+        # Coats nest: of another type, they are searched too.
+        return _with_coats(node, lambda own: _with_method(own | {"type": method}, method))
+    # Without weights a coat chooses the shipped networks that its surfaces need.
+    if method in (WALK, networks.DEFAULT):
+        return node
+    return _with_coats(node, _principled if method == PRINCIPLED else lambda x: x | coat(method))
 
 
 def coat(plugin: str) -> dict[str, str]:
@@ -160,13 +163,6 @@ def _textured(scene: dict[str, Any], folder: Path, options: Options) -> dict[str
         **{f"bead-{index}": (stripes, spots) for index in range(3)},
     }
 
-    def with_textures(node: dict[str, Any], textures: dict[str, Any]) -> dict[str, Any]:
-        if node.get("type") == options.coat:
-            return {**node, **textures}
-        return {
-            k: with_textures(v, textures) if isinstance(v, dict) else v for k, v in node.items()
-        }
-
     result = dict(scene)
     for name, shares in patterns.items():
         textures = {
@@ -175,7 +171,7 @@ def _textured(scene: dict[str, Any], folder: Path, options: Options) -> dict[str
                 ("alpha", "int_ior"), (ALPHAS, INDICES), shares, strict=True
             )
         }
-        result[name] = with_textures(scene[name], textures)
+        result[name] = _with_coats(scene[name], lambda node, own=textures: node | own)
     return result
 
 
