@@ -129,7 +129,8 @@ def write(
     path: str | os.PathLike, sets: Mapping[str, Samples], groups: tuple[Group, ...] = GROUPS
 ) -> None:
     """Write simulated sets by the groups' names to a file."""
-    simulated, arrays = [group for group in groups if group.distribution.coats], {}
+    simulated = [group for group in groups if group.distribution.coats]
+    arrays: dict[str, np.ndarray] = {}
     for group in simulated:
         held = sets[group.name]
         table, names = held.table, KINDS[held.table.kind].parameters

@@ -69,9 +69,9 @@ def measure(_: None, options: Options) -> Found:
         u = np.random.default_rng(seed).random((len(wi), 3), np.float32)
         wo, pdf = made[index].sample(wi, u)
         f_cos = (made[index].f(wi, wo).mean(axis=1) * wo[:, 2]).reshape(shape)
-        sides, pdf = [w.reshape(*shape, 3) for w in (wi, wo)], pdf.reshape(shape)
+        (i, o), pdf = (w.reshape(*shape, 3) for w in (wi, wo)), pdf.reshape(shape)
         mean = (f_cos / pdf).mean(axis=1)
-        densities = pdf, gaussian(*sides, f_cos / pdf), sides[1][..., 2] / math.pi
+        densities = pdf, gaussian(i, o, f_cos / pdf), o[..., 2] / math.pi
         second = [(f_cos**2 / (q * pdf)).mean(axis=1) for q in densities]
         variation = np.sqrt(np.maximum(np.array(second) / mean**2 - 1, 0))
         weights = [(f_cos / q).max(axis=1) for q in densities]
