@@ -107,10 +107,7 @@ def training_set(
         table = coloured(distribution, rng, materials)
         at = slice(half * materials, (half + 1) * materials)
         own_wi, own_wo = (np.repeat(w[at], 3, axis=0) for w in (wi, wo))
-        if table.coats:
-            found = samples.walk_all(table, own_wi, own_wo, walks, seed)[0]
-        else:
-            found = samples.evaluate_bottoms(table, own_wi, own_wo)
+        found = samples.walk_all(table, own_wi, own_wo, walks, seed)[0]
         values.append(found.reshape(materials, 3, pairs).transpose(0, 2, 1))
     return wi, wo, np.concatenate(values)
 

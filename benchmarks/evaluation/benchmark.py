@@ -73,10 +73,7 @@ def read(path: str | os.PathLike = FILE, groups: tuple[Group, ...] = GROUPS) -> 
     result = {}
     for group in groups:
         if not group.distribution.coats:
-            table = sampling.draw_stacks(group, description["seed"])
-            wi, wo = sampling.draw_pairs(group, description["seed"])
-            f = sampling.evaluate_bottoms(table, wi, wo)
-            result[group.name] = Samples(table, wi, wo, f, np.zeros_like(f))
+            result[group.name] = simulate(group, description["seed"])
         elif stored.get(group.name) != describe(group):
             raise FileError(
                 f"the benchmark set '{path}' lacks the group '{group.name}' or was made for other "
@@ -166,8 +163,7 @@ def simulate(group: Group, seed: int = 0, *, only_e: bool = False) -> Samples:
     if only_e:
         wi, wo = wi[:, :E_PAIRS], wo[:, :E_PAIRS]
     if not table.coats:
-        f = sampling.evaluate_bottoms(table, wi, wo)
-        return Samples(table, wi, wo, f, np.zeros_like(f))
+        return Samples(table, wi, wo, *sampling.walk_all(table, wi, wo, 0, 0))
     rng = sampling.generator(group, seed, 2)
     cosines = wi[..., 2], wo[..., 2]
     walked = partial(_adaptive, rng=rng, name=group.name)

@@ -109,8 +109,6 @@ def lower_values(samples: Samples, coats: int, wi: np.ndarray, wo: np.ndarray) -
     """Values (S, P) [1/sr] of the lowest `coats` coats over the bottoms at pairs (P, 3)."""
     stacks = len(samples.table)
     wi_all, wo_all = (np.broadcast_to(w, (stacks, *w.shape)) for w in (wi, wo))
-    if coats == 0:
-        return sampling.evaluate_bottoms(samples.table, wi_all, wo_all)
     stored = probe_pairs(PROBES)
     if coats in samples.probed and np.array_equal(stored, (wi, wo)):
         return samples.probed[coats]

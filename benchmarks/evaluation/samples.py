@@ -4,7 +4,7 @@ The rows of the table of errors are sets of groups of stacks.
 """
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -179,12 +179,6 @@ def generator(group: Group, seed: int, purpose: int) -> np.random.Generator:
     return np.random.default_rng((HELD_OUT_SEED, seed, name, purpose))
 
 
-def evaluate_bottoms(table: StackTable, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """Exact values (S, M) [1/sr] of the bottoms in air, at every stack's pairs (S, M, 3)."""
-    f = analytic.rows(table.kind, table.bottom, *by_row(wi, wo))
-    return f.reshape(wi.shape[:2])
-
-
 def by_row(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows (S M,) of a table, and pairs (S M, 3), of every stack's pairs (S, M, 3)."""
     row = np.repeat(np.arange(len(wi), dtype=np.uint32), wi.shape[1])
@@ -203,10 +197,23 @@ def part(table: StackTable, stacks: slice = slice(None), lowest: int | None = No
 
 
 def walk_all(
-    table: StackTable, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int
+    table: StackTable,
+    wi: np.ndarray,
+    wo: np.ndarray,
+    walks: int,
+    seed: int,
+    walk: Callable[..., tuple[np.ndarray, np.ndarray]] = walk_pairs,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and standard error (S, M) of every stack at its pairs (S, M, 3)."""
-    f, se = walk_pairs(table, *by_row(wi, wo), walks=walks, seed=seed)
+    """Mean and standard error (S, M) [1/sr] of every stack at its pairs (S, M, 3).
+
+    Bottoms without coats are evaluated: their values are exact.
+    """
+    rows = by_row(wi, wo)
+    if table.coats:
+        f, se = walk(table, *rows, walks=walks, seed=seed)
+    else:
+        f = analytic.rows(table.kind, table.bottom, *rows)
+        se = np.zeros_like(f)
     return f.reshape(wi.shape[:2]), se.reshape(wi.shape[:2])
 
 

@@ -13,7 +13,7 @@ from benchmarks import measures
 from benchmarks.evaluation import benchmark, predict, samples
 from benchmarks.evaluation import fan2022 as evaluation
 from benchmarks.evaluation.distributions import Table2
-from benchmarks.evaluation.samples import Group, Samples, by_row, evaluate_bottoms, part
+from benchmarks.evaluation.samples import Group, Samples
 from benchmarks.measures import error, in_plane
 from benchmarks.subjects import coated, materials
 from benchmarks.verdict import fits
@@ -77,28 +77,16 @@ def of_stacks(held_out: Samples, paper: PaperNetworks) -> dict[str, Values]:
     }
     found: dict[str, Values] = {k: partial(predict.evaluate, own) for k, own in made.items()}
     for name, module in ESTIMATORS.items():
-        walk = partial(_mean, module.walk_pairs, table, WALKS)
-        found[name] = partial(_by_row, walk) if table.coats else partial(evaluate_bottoms, table)
-    return found | {k: partial(_by_row, partial(m.rows, table)) for k, m in RIVALS.items()}
+        found[name] = partial(_walked, table, WALKS, module.walk_pairs)
+    return found | {name: partial(_rival, module, table) for name, module in RIVALS.items()}
 
 
-def tabulated(table: StackTable, stacks: int) -> list[fits.Brdf]:
-    """f of the first stacks, in tables of the walk's values, which fits read."""
-    wi, wo = (np.tile(w, (stacks, 1, 1)) for w in nodes.node_pairs())
-    if table.coats:
-        values = _by_row(partial(_mean, walk_pairs, table, TABLE_WALKS), wi, wo)
-    else:
-        values = evaluate_bottoms(part(table, slice(stacks)), wi, wo)
-    return [fits.tabulated(own[:, None]) for own in values]
+def _walked(table: StackTable, walks: int, walk: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    return samples.walk_all(table, wi, wo, walks, SEED, walk)[0]
 
 
-def _mean(walk: Any, table: StackTable, walks: int, *rows_and_pairs: np.ndarray) -> np.ndarray:
-    return walk(table, *rows_and_pairs, walks=walks, seed=SEED)[0]
-
-
-def _by_row(f: Callable[..., np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """f (S, M) of a function of rows (S M,) and pairs (S M, 3)."""
-    return f(*by_row(wi, wo)).reshape(wi.shape[:2])
+def _rival(module: Any, table: StackTable, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    return module.rows(table, *samples.by_row(wi, wo)).reshape(wi.shape[:2])
 
 
 def isotropic(interfaces: int, paper: PaperNetworks) -> dict[str, Any]:
@@ -107,7 +95,10 @@ def isotropic(interfaces: int, paper: PaperNetworks) -> dict[str, Any]:
     held_out = benchmark.simulate(group, DRAWN, only_e=True)
     table, wi, wo = held_out.table, held_out.wi, held_out.wo
     methods = {name: (f, STACKS, 0.0) for name, f in of_stacks(held_out, paper).items()}
-    tables = tabulated(table, FITTED)
+    # Fits read tables of the walk's values of the first stacks.
+    nodes_of = (np.tile(w, (FITTED, 1, 1)) for w in nodes.node_pairs())
+    values = _walked(table, TABLE_WALKS, walk_pairs, *nodes_of)
+    tables = [fits.tabulated(own[:, None]) for own in values]
     methods |= {name: _fits(name, tables) for name in fits.FITTED}
     own = samples.stack_errors(held_out.f + held_out.se, held_out)
     found: dict[str, Any] = {"reference": own}
@@ -152,37 +143,31 @@ def measured(archive: Path, paper: PaperNetworks) -> dict[str, Any]:
         projected = fan2022.encode(surface, paper)
         for coat in OVER:
             layered = {
-                NETWORKS: replace(coated(codes, coat), table=None),
-                TABLES: coated(tables, coat),
-                PAPER: coated(projected, coat, fan2022.layer),
+                NETWORKS: replace(coated(codes, coat), table=None).f,
+                TABLES: coated(tables, coat).f,
+                PAPER: coated(projected, coat, fan2022.layer).f,
             }
             for method, e in _over_measured(urushi.coat(surface, **coat), layered).items():
                 found.setdefault(method, []).append(e)
     return found
 
 
-def _over_measured(stack: Stack, materials: dict[str, Any]) -> dict[str, float]:
+def _over_measured(stack: Stack, methods: dict[str, fits.Brdf]) -> dict[str, float]:
     """E of the methods for one coat over a measured bottom; the mean over channels.
 
-    materials: the stack as layered by methods.
+    methods: those by which the stack has been layered.
     """
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(DRAWN), PAIRS)
+    walk: dict[str, Any] = {"seed": SEED, "progress": False}
     truth, se = urushi.simulate(stack, wi, wo, walks=MEASURED_WALKS, seed=DRAWN, progress=False)
-    found = {
-        "reference": error(truth + se, truth, wi, wo),
-        **{form: error(m.f(wi, wo), truth, wi, wo) for form, m in materials.items()},
-        WEIDLICH: error(weidlich.f(stack, wi, wo), truth, wi, wo),
-    }
-    for method, estimator in ESTIMATORS.items():
-        f, _ = estimator.simulate(stack, wi, wo, walks=WALKS, seed=SEED)
-        found[method] = error(f, truth, wi, wo)
-    f, _ = urushi.simulate(
-        stack, *nodes.node_pairs(), walks=MEASURED_TABLE_WALKS, seed=SEED, progress=False
-    )
+    f, _ = urushi.simulate(stack, *nodes.node_pairs(), walks=MEASURED_TABLE_WALKS, **walk)
     table = fits.tabulated(f)
-    for method in fits.FITTED:
-        found[method] = error(fits.fitted(method, table, 3)(wi, wo), truth, wi, wo)
-    return found
+    found = {"reference": truth + se} | {name: f(wi, wo) for name, f in methods.items()}
+    found[WEIDLICH] = weidlich.f(stack, wi, wo)
+    for name, estimator in ESTIMATORS.items():
+        found[name], _ = estimator.simulate(stack, wi, wo, walks=WALKS, seed=SEED)
+    found |= {name: fits.fitted(name, table, 3)(wi, wo) for name in fits.FITTED}
+    return {name: error(f, truth, wi, wo) for name, f in found.items()}
 
 
 def laws(paper: PaperNetworks) -> dict[str, float]:
