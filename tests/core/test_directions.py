@@ -1,7 +1,6 @@
 """Directions: bases, turns about the normal, half and difference angles."""
 
 import numpy as np
-import pytest
 
 from urushi.core import directions
 from urushi.core.directions import (
@@ -19,9 +18,7 @@ ANGLES = np.random.default_rng(0).random((3, COUNT)) * [[0.5 * np.pi], [0.5 * np
 VECTORS = np.random.default_rng(0).normal(size=(50, 3)).astype(np.float32)
 
 
-@pytest.fixture(scope="module")
-def pairs():
-    return directions_at(*ANGLES)
+PAIRS = directions_at(*ANGLES)
 
 
 def test_from_cosine_keeps_the_angle_to_the_axis(jit) -> None:
@@ -43,16 +40,16 @@ def test_rotations_turn_x_to_y_add_up_and_may_mirror() -> None:
     np.testing.assert_array_equal(rotated(VECTORS, 0.2, True), turned * np.float32([1, -1, 1]))
 
 
-def test_half_vector_and_difference_angle_are_the_given_ones(pairs):
-    wi, wo = pairs
+def test_half_vector_and_difference_angle_are_the_given_ones():
+    wi, wo = PAIRS
     again = directions_at_tangent(np.tan(ANGLES[0]), *ANGLES[1:])
-    np.testing.assert_allclose(again, pairs, 0, 1e-12)
+    np.testing.assert_allclose(again, PAIRS, 0, 1e-12)
     theta_h, theta_d, _ = ANGLES
     half = (wi + wo) / np.linalg.norm(wi + wo, axis=1, keepdims=True)
     expected = np.stack([np.sin(theta_h), np.zeros(COUNT), np.cos(theta_h)], axis=1)
     # Near theta_d = 90 degrees the sum of the directions loses digits.
     np.testing.assert_allclose(half, expected, atol=1e-11)
-    for w in pairs:
+    for w in PAIRS:
         np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, rtol=1e-12)
         np.testing.assert_allclose((w * expected).sum(1), np.cos(theta_d), atol=1e-12)
 
@@ -63,11 +60,11 @@ def test_azimuth_counts_from_the_plane_of_the_half_vector_and_the_normal():
     np.testing.assert_allclose(wo, [[np.sin(0.1), 0, np.cos(0.1)]], atol=1e-12)
 
 
-def test_angles_of_directions_are_the_given_ones(pairs):
+def test_angles_of_directions_are_the_given_ones():
     above = above_horizon(*ANGLES)
     assert 0.2 < above.mean() < 0.9
-    np.testing.assert_array_equal(above, (pairs[0][:, 2] > 0) & (pairs[1][:, 2] > 0))
-    sides = [components(w[above]) for w in pairs]
+    np.testing.assert_array_equal(above, (PAIRS[0][:, 2] > 0) & (PAIRS[1][:, 2] > 0))
+    sides = [components(w[above]) for w in PAIRS]
     found = half_difference(*sides, NUMPY)
     np.testing.assert_allclose(found, ANGLES[:, above], atol=1e-7)
     np.testing.assert_array_equal(half_difference(*sides[::-1], NUMPY), found)

@@ -13,10 +13,7 @@ from urushi.errors import ParameterError, UrushiWarning
 from urushi.mitsuba.reading import probing
 from urushi.textures.store import ONE_TEXEL, TexelGrid
 
-
-@pytest.fixture
-def pairs():
-    return pairs_above(16, 1, 0.1)
+PAIRS = pairs_above(16, 1, 0.1)
 
 
 @pytest.fixture(scope="module")
@@ -38,10 +35,10 @@ def layered(rgb, weights):
     return lambda **parameters: rgb.load_dict(described | parameters)
 
 
-def test_a_saved_material_is_that_of_python(rgb, material, saved, pairs):
+def test_a_saved_material_is_that_of_python(rgb, material, saved):
     """Values, densities, and samples of the same uniform numbers; one proposal is nearly flat."""
     bsdf, rng = rgb.load_dict({"type": "fan2022_brdf", **saved}), np.random.default_rng(8)
-    wi, wo = pairs
+    wi, wo = PAIRS
     np.testing.assert_allclose(probes.f(bsdf, wi, wo), material.f(wi, wo), rtol=1e-3, atol=1e-4)
     si, u = probing.interaction(wi, np.zeros((16, 2))), rng.random((16, 3)).astype(np.float32)
     pdf = bsdf.pdf(rgb.BSDFContext(), si, probes.vector(wo))
@@ -102,7 +99,7 @@ def test_a_warning_names_the_cure_if_a_path_is_recorded(rgb, saved):
         dr.while_loop(start, lambda i, _: i < 2, body)
 
 
-def test_a_constant_coat_is_that_of_the_functions(rgb, layered, paper, tmp_path, pairs):
+def test_a_constant_coat_is_that_of_the_functions(rgb, layered, paper, tmp_path):
     bottom = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.2, 0.4, 0.6]}}
     top, medium = urushi.dielectric(0.2, 1.5), {"albedo": 0.5, "sigma_t": 1.0}
     coat = {"alpha": 0.2, "int_ior": 1.5, "ext_ior": 1.0, **medium}
@@ -111,8 +108,8 @@ def test_a_constant_coat_is_that_of_the_functions(rgb, layered, paper, tmp_path,
     for _ in range(2):
         expected = fan2022.layer(top, expected, **medium)
     # Mitsuba's values of the bottom are those of the description but for rounding.
-    f = probes.f(bsdf, *pairs)
-    np.testing.assert_allclose(f, expected.f(*pairs), rtol=1e-2, atol=1e-3)
+    f = probes.f(bsdf, *PAIRS)
+    np.testing.assert_allclose(f, expected.f(*PAIRS), rtol=1e-2, atol=1e-3)
     bsdf.save(tmp_path / "coated.safetensors")
     read = load(tmp_path / "coated.safetensors", paper)
     np.testing.assert_allclose(read.latents, bsdf.codes.codes[0])
@@ -120,7 +117,7 @@ def test_a_constant_coat_is_that_of_the_functions(rgb, layered, paper, tmp_path,
     assert np.abs(bsdf.codes.codes[0] - expected.latents).max() > 1e-3
 
 
-def test_a_texture_has_the_constant_coats_of_its_texels(rgb, layered, pairs):
+def test_a_texture_has_the_constant_coats_of_its_texels(rgb, layered):
     texels = np.array([[[0.2], [0.8]]], np.float32)
 
     def bsdf(value):
@@ -131,8 +128,8 @@ def test_a_texture_has_the_constant_coats_of_its_texels(rgb, layered, pairs):
     textured = bsdf(bitmap)
     for texel, value in enumerate((0.2, 0.8)):
         one = bsdf(value)
-        f = probes.f(textured, *pairs, (0.25 + 0.5 * texel, 0.5))
-        np.testing.assert_allclose(f, probes.f(one, *pairs), rtol=1e-2, atol=1e-3)
+        f = probes.f(textured, *PAIRS, (0.25 + 0.5 * texel, 0.5))
+        np.testing.assert_allclose(f, probes.f(one, *PAIRS), rtol=1e-2, atol=1e-3)
     with pytest.raises(ParameterError, match="textures of its codes cannot be saved"):
         textured.save("nowhere")
 

@@ -13,35 +13,33 @@ from urushi.walk.medium import hg
 NONE = dielectric(0.3, 1)
 
 
-@pytest.fixture(scope="module")
-def pairs():
-    return cosine_pairs(np.random.default_rng(3), 2000)
+PAIRS = cosine_pairs(np.random.default_rng(3), 2000)
 
 
-def test_the_bottom_remains_in_one_channel(trained, pairs):
+def test_the_bottom_remains_in_one_channel(trained):
     """Of a bottom whose table is of all of f; within interpolation and half precision."""
     bare = encode(lambda *w: two_lobes(*w)[:, None] * np.ones(3), trained)
     assert bare.table is not None and not bare.beside_lobe
     coated = layer(dielectric(0.1, (1.0, 1.5, 1.5)), bare)
-    np.testing.assert_allclose(coated.f(*pairs)[:, 0], bare.f(*pairs)[:, 0], rtol=0.02)
+    np.testing.assert_allclose(coated.f(*PAIRS)[:, 0], bare.f(*PAIRS)[:, 0], rtol=0.02)
     np.testing.assert_array_equal(coated.latents[0], bare.latents[0])
 
 
-def test_code_and_table_agree(trained, pairs):
+def test_code_and_table_agree(trained):
     """Both are light transport, at other pairs; codes approximate."""
     for bottom, eta in ((diffuse(0.5), 1.5), (conductor(0.2, 0.9), 1.3)):
         table = layer(dielectric(0.1, eta), encode(bottom, trained), sigma_t=0.5, albedo=0.3)
-        assert error(Material(table.latents, trained), table, *pairs).mean() < 0.01
+        assert error(Material(table.latents, trained), table, *PAIRS).mean() < 0.01
 
 
 @pytest.mark.parametrize("bottom", [conductor(0.01, (0.9, 0.5, 0.2)), diffuse(0.5)])
-def test_no_interface_and_no_medium_is_the_bottom(trained, pairs, bottom):
+def test_no_interface_and_no_medium_is_the_bottom(trained, bottom):
     bare = encode(bottom, trained)
     assert layer(NONE, bare, albedo=0.5) == bare
     # One channel has a medium: the others are as they were, but for a table of their rest.
     tinted = layer(NONE, bare, sigma_t=(0, 0.5, 0))
     np.testing.assert_allclose(
-        tinted.f(*pairs)[:, ::2], bare.f(*pairs)[:, ::2], rtol=0.02, atol=1e-4
+        tinted.f(*PAIRS)[:, ::2], bare.f(*PAIRS)[:, ::2], rtol=0.02, atol=1e-4
     )
 
 

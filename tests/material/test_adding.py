@@ -59,9 +59,7 @@ def test_media_are_those_of_the_solver_on_another_grid(albedo, sigma_t, g):
         np.testing.assert_allclose(light, expected_light, rtol=0, atol=tolerance)
 
 
-@pytest.fixture(scope="module")
-def pairs():
-    return cosine_pairs(np.random.default_rng(0), 2000, lowest_cosine=0.02)
+PAIRS = cosine_pairs(np.random.default_rng(0), 2000, lowest_cosine=0.02)
 
 
 def in_table(values, pairs):
@@ -70,7 +68,7 @@ def in_table(values, pairs):
     return linear_at(adding_quadrant.table(values)[..., None], *places)[:, 0]
 
 
-def test_the_table_of_two_widths_holds_symmetric_functions(pairs):
+def test_the_table_of_two_widths_holds_symmetric_functions():
     """Linear interpolation between azimuths of 11 degrees is off by less than 0.005."""
 
     def f(wi, wo):
@@ -79,12 +77,12 @@ def test_the_table_of_two_widths_holds_symmetric_functions(pairs):
     w = adding_quadrant.directions()
     first, second = w.repeat(len(w), axis=0), np.tile(w, (len(w), 1))
     images = [f(first, second * (*sign, 1)) for sign in adding_quadrant.SIGNS]
-    found = in_table(np.float32(images).reshape(4, len(w), len(w)), pairs)
-    np.testing.assert_allclose(found, f(*pairs), rtol=0, atol=0.005)
+    found = in_table(np.float32(images).reshape(4, len(w), len(w)), PAIRS)
+    np.testing.assert_allclose(found, f(*PAIRS), rtol=0, atol=0.005)
 
 
 @pytest.mark.parametrize("medium", [(0.0, 0.0, 0.0), (0.9, 1.0, 0.5)])
-def test_round_surfaces_are_the_same_by_both_grids(medium, pairs):
+def test_round_surfaces_are_the_same_by_both_grids(medium):
     """Fourier modes, and parts of a quadrant, of rough metal under a rough interface.
 
     Their azimuths differ, and the peak of the metal is 3 of them wide; E is below 0.01.
@@ -93,12 +91,12 @@ def test_round_surfaces_are_the_same_by_both_grids(medium, pairs):
     back = adding.interface_modes(0.3, 1.5)
     modes, own = adding.bottom_modes(metal.reflector.f)[0], adding.grid()
     round_values, _ = adding.seen_inside(modes, back, [medium])
-    expected = own.interpolated(round_values[..., None], *pairs)[:, 0]
+    expected = own.interpolated(round_values[..., None], *PAIRS)[:, 0]
     values = adding_quadrant.seen_inside(
         adding_quadrant.bottom_parts(metal.reflector.f)[0],
         adding_quadrant.interface_parts(Widths(0.3, 0.3), 1.5),
         medium,
     )
-    weight = energy_weight(*(w[:, 2] for w in pairs))
-    difference = np.abs(in_table(values, pairs) - expected)
+    weight = energy_weight(*(w[:, 2] for w in PAIRS))
+    difference = np.abs(in_table(values, PAIRS) - expected)
     assert (difference * weight).sum() < 0.01 * (expected * weight).sum()

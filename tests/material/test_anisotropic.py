@@ -19,9 +19,7 @@ GREY = urushi.diffuse(0.5)
 SATIN = urushi.dielectric(alpha_u=0.1, alpha_v=0.4, eta=1.5)
 
 
-@pytest.fixture(scope="module")
-def pairs():
-    return cosine_pairs(np.random.default_rng(0), 1500, lowest_cosine=0.02)
+PAIRS = cosine_pairs(np.random.default_rng(0), 1500, lowest_cosine=0.02)
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +43,7 @@ def test_networks_follow_the_surface():
     assert urushi.layer(urushi.dielectric(), GREY, fast=True).model is isotropic
 
 
-def test_sources_of_values_keep_their_anisotropy(pairs):
+def test_sources_of_values_keep_their_anisotropy():
     """A function is tested: isotropic ones get isotropic networks, others two widths."""
 
     def f(wi, wo):
@@ -53,7 +51,7 @@ def test_sources_of_values_keep_their_anisotropy(pairs):
 
     material = urushi.encode(f)
     assert material.model is anisotropic_model()
-    assert error(material, f(*pairs), *pairs).max() < 0.03
+    assert error(material, f(*PAIRS), *PAIRS).max() < 0.03
     assert urushi.encode(lambda wi, wo: np.full((len(wi), 3), 0.1)).model is default_model()
     with pytest.warns(UrushiWarning, match="anisotropic: it differs by"):
         assert urushi.encode(f, "default").model is default_model()
@@ -67,28 +65,28 @@ def test_a_source_that_is_turned_is_averaged_about_the_tangent():
         )
 
 
-def test_bare_surfaces_are_exact(pairs):
+def test_bare_surfaces_are_exact():
     material = urushi.encode(BRUSHED)
-    np.testing.assert_allclose(material.f(*pairs), analytic.f(BRUSHED, *pairs), rtol=1e-4)
+    np.testing.assert_allclose(material.f(*PAIRS), analytic.f(BRUSHED, *PAIRS), rtol=1e-4)
     assert material.model.networks.table(material.latents) is None
 
 
-def test_mirroring_and_half_turns_to_the_bit(lacquered, pairs):
+def test_mirroring_and_half_turns_to_the_bit(lacquered):
     for material in lacquered:
-        f = material.f(*pairs)
+        f = material.f(*PAIRS)
         for sign in np.float32([[1, -1, 1], [-1, 1, 1], [-1, -1, 1]]):
-            np.testing.assert_array_equal(f, material.f(*(w * sign for w in pairs)))
+            np.testing.assert_array_equal(f, material.f(*(w * sign for w in PAIRS)))
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_f_is_continuous_where_a_half_vector_crosses_an_axis(lacquered, pairs, axis):
+def test_f_is_continuous_where_a_half_vector_crosses_an_axis(lacquered, axis):
     """Near the horizon, 2e-5 of a direction changes its cosine by a few per cent; near the normal,
     it changes the azimuth of the half vector by as much."""
-    wi = pairs[0].astype(np.float32)
+    wi = PAIRS[0].astype(np.float32)
     for material in lacquered:
         sides = []
         for offset in (-1e-5, 1e-5):
-            wo = pairs[1].astype(np.float32)
+            wo = PAIRS[1].astype(np.float32)
             wo[:, axis] = offset - wi[:, axis]
             wo[:, 2] = np.sqrt(np.maximum(1 - (wo[:, :2] ** 2).sum(axis=1), 0))
             sides.append(material.f(wi, wo / np.linalg.norm(wo, axis=1, keepdims=True)))
@@ -106,8 +104,8 @@ def test_no_azimuth_gains_energy():
         assert urushi.layer(top, white).directional_albedo(wi).max() < 1.007
 
 
-def test_a_turned_material_is_seen_from_the_turned_frame(lacquered, pairs, tmp_path):
-    wi, wo = pairs
+def test_a_turned_material_is_seen_from_the_turned_frame(lacquered, tmp_path):
+    wi, wo = PAIRS
     material = lacquered[1]
     other = material.rotated(40)
     assert other.rotation == 40 and other.rotated(-40) == material
@@ -125,11 +123,11 @@ def test_a_turned_material_is_seen_from_the_turned_frame(lacquered, pairs, tmp_p
     assert plain.rotated(30) is plain
 
 
-def test_a_quarter_turn_exchanges_the_widths(pairs):
+def test_a_quarter_turn_exchanges_the_widths():
     """Nearly: the networks learned both, and differ by their errors."""
     top = urushi.dielectric(alpha_u=0.4, alpha_v=0.1, eta=1.5)
     turned = urushi.layer(SATIN, GREY).rotated(90)
-    assert error(turned, urushi.layer(top, GREY), *pairs).max() < 0.03
+    assert error(turned, urushi.layer(top, GREY), *PAIRS).max() < 0.03
 
 
 def test_layers_share_one_tangent(lacquered):
@@ -139,10 +137,10 @@ def test_layers_share_one_tangent(lacquered):
 
 
 @pytest.mark.slow
-def test_blends(lacquered, pairs):
+def test_blends(lacquered):
     a, b = lacquered
     assert urushi.lerp(a, b, 0) == urushi.lerp(a, a, 0.0) == a
-    f = urushi.lerp(a, b, 0.5).f(*pairs)
+    f = urushi.lerp(a, b, 0.5).f(*PAIRS)
     assert np.isfinite(f).all() and (f > 0).all()
     plain = urushi.encode(GREY)
     for angle in (20.0, -20.0):

@@ -19,18 +19,16 @@ BARE = (
 )
 
 
-@pytest.fixture(scope="module")
-def pairs():
-    """Directions above the horizon, not at it."""
-    return pairs_above(1000, 1, 0.03)
+#: Directions above the horizon, not at it.
+PAIRS = pairs_above(1000, 1, 0.03)
 
 
 @pytest.mark.parametrize("surface", BARE)
-def test_bare_interfaces_are_exact(surface, model, pairs):
+def test_bare_interfaces_are_exact(surface, model):
     """The tolerance is the rounding of single precision in sharp lobes."""
     material = encode(surface, model)
-    expected = analytic.f(surface, *pairs)
-    np.testing.assert_allclose(material.f(*pairs), expected, rtol=2e-3, atol=1e-6)
+    expected = analytic.f(surface, *PAIRS)
+    np.testing.assert_allclose(material.f(*PAIRS), expected, rtol=2e-3, atol=1e-6)
 
 
 def test_the_topmost_interface_of_a_stack_is_the_lobe(model):
@@ -66,9 +64,9 @@ def materials(model) -> list[Material]:
 
 
 @pytest.mark.parametrize(("first", "second"), [*itertools.combinations(range(6), 2)])
-def test_blends_are_linear_in_f(trained, pairs, first, second):
+def test_blends_are_linear_in_f(trained, first, second):
     """Within the error of a table."""
     a, b = materials(trained)[first], materials(trained)[second]
     for share in (0.0, 0.3, 1.0):
-        expected = (1 - share) * a.f(*pairs) + share * b.f(*pairs)
-        assert error(lerp(a, b, share), expected, *pairs).max() < 0.01
+        expected = (1 - share) * a.f(*PAIRS) + share * b.f(*PAIRS)
+        assert error(lerp(a, b, share), expected, *PAIRS).max() < 0.01

@@ -44,14 +44,12 @@ def codes(model) -> np.ndarray:
     return np.concatenate([lobe, rest, stretch], axis=1).astype(np.float32)
 
 
-@pytest.fixture(scope="module")
-def pairs():
-    return cosine_pairs(np.random.default_rng(1), 400, lowest_cosine=0.02)
+PAIRS = cosine_pairs(np.random.default_rng(1), 400, lowest_cosine=0.02)
 
 
-def test_symmetries_to_the_bit(model, codes, pairs):
+def test_symmetries_to_the_bit(model, codes):
     """Of lobes and rests."""
-    wi, wo = pairs
+    wi, wo = PAIRS
     codes = np.array(codes)
     codes[:, :7] = [(0.1, 0, 0, 1, 1.5, 0, 0.4), (0.3, 0.8, 1, 0, 1.5, 0, 0.05), lobes.no_lobe(2)]
     f = model.networks.f(codes[:, None], wi, wo)
@@ -60,19 +58,19 @@ def test_symmetries_to_the_bit(model, codes, pairs):
         np.testing.assert_array_equal(f, model.networks.f(codes[:, None], wi * sign, wo * sign))
 
 
-def test_codes_of_one_width_are_codes_of_two(model, pairs):
+def test_codes_of_one_width_are_codes_of_two(model):
     own = default_model()
     z = np.concatenate([lobes.NO_LOBE, np.linspace(-0.3, 0.3, own.arch.functions)])[None]
     z = z.astype(np.float32)
     lobe = lobes.with_two_widths(z[:, :6])
     zeros = np.zeros((1, sum(AZIMUTHAL) + 1), np.float32)
     two = np.concatenate([lobe, z[:, 6:], zeros], axis=1)
-    np.testing.assert_allclose(model.networks.f(two, *pairs), own.networks.f(z, *pairs), rtol=1e-4)
+    np.testing.assert_allclose(model.networks.f(two, *PAIRS), own.networks.f(z, *PAIRS), rtol=1e-4)
 
 
-def test_a_stretched_lobe_is_round(pairs):
+def test_a_stretched_lobe_is_round():
     """The GGX distribution of two widths depends on the stretched half angle alone."""
-    both, apart = (Components(*w.T.astype(float)) for w in (pairs[0] + pairs[1], 0 * pairs[0]))
+    both, apart = (Components(*w.T.astype(float)) for w in (PAIRS[0] + PAIRS[1], 0 * PAIRS[0]))
     a, b = 0.1, 0.4
     (u, _, _), _ = stretched(both, apart, b / a, NUMPY)
     order = np.argsort(((both.x / a) ** 2 + (both.y / b) ** 2) / both.z**2)

@@ -19,9 +19,7 @@ REFLECTANCE = (0.9, 0.6, 0.5)
 MEDIUM = {"albedo": (0.9, 0.5, 1.0), "g": 0.3}
 
 
-@pytest.fixture(scope="module")
-def pairs():
-    return cosine_pairs(np.random.default_rng(8), 60)
+PAIRS = cosine_pairs(np.random.default_rng(8), 60)
 
 
 @pytest.mark.parametrize(
@@ -104,8 +102,8 @@ def test_smooth_slabs_are_fresnels_sums_and_follow_beer_and_lambert(far: float) 
 
 @pytest.mark.parametrize("eta", [1.5, 0.7])
 @pytest.mark.parametrize("medium", [0.0, 0.4])
-def test_one_rough_surface_transmits_by_walters_btdf(pairs, eta: float, medium: float) -> None:
-    wi, wo = pairs
+def test_one_rough_surface_transmits_by_walters_btdf(eta: float, medium: float) -> None:
+    wi, wo = PAIRS
     expected = eta**2 * surfaces.transmission(wi, wo * DOWN, 0.3, eta)
     for stack, inside in (
         (coat(dielectric(0.3, eta), 0.6, 1.0, sigma_t=medium), wi),
@@ -117,9 +115,9 @@ def test_one_rough_surface_transmits_by_walters_btdf(pairs, eta: float, medium: 
 
 
 @pytest.mark.parametrize("alpha", [0.01, 0.5, Widths(0.1, 0.8)])
-def test_an_absorbing_medium_of_index_one_is_beers_law(pairs, alpha) -> None:
-    depth, inverse = np.array([0.0, 0.3, 1.2]), 1 / pairs[0][:, 2] + 1 / pairs[1][:, 2]
-    f, _ = simulate(coat(diffuse(0.5), alpha, 1, sigma_t=tuple(depth)), *pairs, walks=64)
+def test_an_absorbing_medium_of_index_one_is_beers_law(alpha) -> None:
+    depth, inverse = np.array([0.0, 0.3, 1.2]), 1 / PAIRS[0][:, 2] + 1 / PAIRS[1][:, 2]
+    f, _ = simulate(coat(diffuse(0.5), alpha, 1, sigma_t=tuple(depth)), *PAIRS, walks=64)
     expected = 0.5 / np.pi * np.exp(-inverse[:, None] * depth)
     np.testing.assert_allclose(f, expected, rtol=1e-4)
 
@@ -133,14 +131,14 @@ def test_an_absorbing_medium_of_index_one_is_beers_law(pairs, alpha) -> None:
         dielectric(0.2, 1),
     ],
 )
-def test_no_interface_and_no_medium_is_the_bottom(pairs, bottom) -> None:
+def test_no_interface_and_no_medium_is_the_bottom(bottom) -> None:
     for stack in (coat(bottom, 0.4, 1), coat(coat(bottom, 0.4, 1), 0.02, 1)):
-        f, _ = simulate(stack, *pairs, walks=16)
-        np.testing.assert_allclose(f, analytic.f(bottom, *pairs), rtol=1e-5)
+        f, _ = simulate(stack, *PAIRS, walks=16)
+        np.testing.assert_allclose(f, analytic.f(bottom, *PAIRS), rtol=1e-5)
 
 
 @pytest.mark.parametrize("outer", [1.5, 1.0])
-def test_media_of_one_index_are_one_medium(pairs, outer: float) -> None:
+def test_media_of_one_index_are_one_medium(outer: float) -> None:
     """At 1.5 the interface of index 1 is between the media, otherwise on top of all."""
     bottom, walks = conductor(0.3, 0.8), 1 << 13
     inner = coat(bottom, 0.4, 1, sigma_t=0.4, **MEDIUM)
@@ -148,7 +146,7 @@ def test_media_of_one_index_are_one_medium(pairs, outer: float) -> None:
         coat(below, 0.1, outer, sigma_t=depth, **MEDIUM)
         for below, depth in ((bottom, 1.0), (inner, 0.6))
     )
-    (f, se), (expected, error) = (simulate(s, *pairs, walks=walks) for s in (twice, once))
+    (f, se), (expected, error) = (simulate(s, *PAIRS, walks=walks) for s in (twice, once))
     np.testing.assert_array_less(np.abs(f - expected), 5 * np.hypot(se, error) + 1e-6)
     assert f.mean() == pytest.approx(expected.mean(), rel=0.01)
 

@@ -21,9 +21,7 @@ def coated(mi, base: dict, **parameters):
     return mi.load_dict({"type": "neural_layered", **COAT, "base": base, **parameters})
 
 
-@pytest.fixture(scope="module")
-def pairs():
-    return cosine_pairs(np.random.default_rng(0), 2000, lowest_cosine=0.02)
+PAIRS = cosine_pairs(np.random.default_rng(0), 2000, lowest_cosine=0.02)
 
 
 def expected(mi, base: dict, **widths):
@@ -31,21 +29,21 @@ def expected(mi, base: dict, **widths):
     return urushi.layer(top, mi.load_dict(base), albedo=0.5, sigma_t=0.6)
 
 
-def test_plugins_are_materials(rgb, pairs, tmp_path):
+def test_plugins_are_materials(rgb, tmp_path):
     degrees = 35
     bsdf = coated(rgb, METAL, **WIDTHS, rotation=float(degrees))
     assert bsdf.model is anisotropic_model()
     material = expected(rgb, METAL, **WIDTHS)
-    si = probing.interaction(pairs[0], np.full((len(pairs[0]), 2), 0.5))
-    found, pdf = f(bsdf, *pairs), bsdf.pdf(rgb.BSDFContext(), si, vector(pairs[1])).numpy()
-    turned = [w.astype(np.float32) for w in (rotated(w, -degrees / 360) for w in pairs)]
+    si = probing.interaction(PAIRS[0], np.full((len(PAIRS[0]), 2), 0.5))
+    found, pdf = f(bsdf, *PAIRS), bsdf.pdf(rgb.BSDFContext(), si, vector(PAIRS[1])).numpy()
+    turned = [w.astype(np.float32) for w in (rotated(w, -degrees / 360) for w in PAIRS)]
     # Functions of 16 bits.
-    assert stack_error(found.T, material.f(*turned).T, *(w[:, 2] for w in pairs)).max() < 0.002
+    assert stack_error(found.T, material.f(*turned).T, *(w[:, 2] for w in PAIRS)).max() < 0.002
     # The proposal is linear between 129 cosines.
-    np.testing.assert_allclose(pdf, material.rotated(degrees).pdf(*pairs), rtol=0.03, atol=1e-3)
+    np.testing.assert_allclose(pdf, material.rotated(degrees).pdf(*PAIRS), rtol=0.03, atol=1e-3)
     bsdf.save(tmp_path / "saved.safetensors")
     saved = rgb.load_dict({"type": "neural_brdf", "filename": str(tmp_path / "saved.safetensors")})
-    np.testing.assert_array_equal(f(saved, *pairs), found)
+    np.testing.assert_array_equal(f(saved, *PAIRS), found)
 
 
 def test_only_anisotropic_coats_and_bottoms_get_other_networks(rgb):
@@ -63,7 +61,7 @@ def ramp(low: float, high: float) -> dict:
 
 
 @pytest.mark.parametrize("textured", ["coat", "bottom"])
-def test_textures_of_widths_and_angles(rgb, pairs, textured):
+def test_textures_of_widths_and_angles(rgb, textured):
     """Texels of 8 bits: f is within a percent; the angle is not quantised."""
     grey = METAL | {"material": "none"}  # one channel of transport, not three
     if textured == "coat":
@@ -76,5 +74,5 @@ def test_textures_of_widths_and_angles(rgb, pairs, textured):
         alone = [expected(rgb, grey | {"alpha_u": alpha}, alpha=0.1) for alpha in (0.1, 0.4)]
     assert bsdf.model is anisotropic_model()
     for u, material in zip((0.25, 0.75), alone, strict=True):
-        found = f(bsdf, *pairs, (u, 0.5))
-        assert np.median(np.abs(found / material.f(*pairs) - 1)) < 0.005
+        found = f(bsdf, *PAIRS, (u, 0.5))
+        assert np.median(np.abs(found / material.f(*PAIRS) - 1)) < 0.005
