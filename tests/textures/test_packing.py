@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 from benchmarks.measures import stack_error
 
+from urushi.checks import CoatParameters, Widths
 from urushi.core.direction_sets import cosine_pairs
+from urushi.core.stretched import rounded
+from urushi.material.layer import predicted
 from urushi.nets import lobe as lobes
-from urushi.nets.weights import Model, default_model
+from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.textures import packing
 from urushi.textures.packing import Texture
 from urushi.textures.principal import projection_of
@@ -120,6 +123,24 @@ def test_principal_numbers_give_the_f_of_codes_by_fewer_functions(model, lacquer
     codes = np.repeat(codes[:1], 1000, axis=0)
     codes[123] = lacquers(7)[5]
     assert errors(model, codes).max() < 3e-2
+
+
+def test_principal_numbers_of_brushed_metals_under_a_coat():
+    """Their functions belong to factors of the azimuth, and their stretches stay."""
+    model, rng = anisotropic_model(), np.random.default_rng(0)
+    metals = np.zeros((64, model.arch.latent), np.float32)
+    metals[:] = np.append(np.zeros(model.arch.lobe), model.networks.empty_rest())
+    metals[:, [0, 6]] = rng.uniform([0.1, 0.3], [0.2, 0.5], (64, 2))
+    metals[:, 1:3], metals[:, 4] = rng.uniform(0.4, 0.9, (64, 1)), 1.5
+    coat = CoatParameters(Widths(0.1, 0.1), 1.5, 0.0, 0.0, 0.0)
+    codes = predicted(model, metals, CoatParameters.of_columns(np.array([*coat.columns()])))
+    codes[:, -1] = rounded(codes[:, -1])
+    functions, _, numbers = projected(model, codes[:, None])
+    assert functions.shape[1] < model.arch.functions
+    np.testing.assert_array_equal(numbers[:, 0, -1], codes[:, -1])
+    found = errors(model, codes[:, None])
+    assert found.mean() < 4e-3
+    assert found.max() < 4e-2
 
 
 def test_unlike_materials_keep_their_codes(model):

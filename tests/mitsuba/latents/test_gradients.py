@@ -73,7 +73,7 @@ CASES = {
         two_widths,
         {"alpha_u.value": 0.01, "alpha_v.value": 0.01, "rotation.value": 0.05}
         | {"bottom.alpha_v.value": 0.004},
-        0.03,
+        0.05,
     ),
     "body": (body, {"sigma_t.value": 0.08}, 0.05),
     "glass": (lambda: OPENPBR | CLEAR, {"specular_roughness.value": 0.01}, 0.01),

@@ -6,7 +6,7 @@ share, and `f_and_pdf` evaluates every channel and the proposal's density there.
 The linear basis in Dr.Jit is the counterpart of `nets.basis`, for channels that share directions:
 its functions are looked up once for all channels. A table holds the mean and the functions but the
 first, which is one, as numbers of 16 bits. Codes of two widths have a stretch, on which the
-functions depend. Channels of the same stretch share the look-up.
+functions depend. Channels of one stretch share the look-up.
 """
 
 import weakref
@@ -96,30 +96,36 @@ class BasisDecoder:
     """f [1/sr] of latent codes: the lobe, and the rest by the basis below `nets.transmittance`.
 
     The terms of a channel's code are the numbers of its lobe that `LobeKind.numbers` names, its
-    gain, and its other numbers; of two widths also the squared stretch.
+    gain, and its other numbers; of two widths also the squared stretch, which channels may share.
     """
 
     def __init__(
-        self, model: Model, kind: LobeKind, functions: np.ndarray | None = None, faint: float = 0.0
+        self,
+        model: Model,
+        kind: LobeKind,
+        table: BasisTable | None = None,
+        faint: float = 0.0,
+        one_stretch: bool = False,
     ):
         """Decode codes of a model.
 
         Args:
             model: of the codes.
             kind: common properties of their lobes.
-            functions: (P, N) mean and functions of other numbers in the place of the code's, at
-                the nodes. None for two widths.
+            table: mean and functions of the codes' numbers; None: those of the basis.
             faint: [1/sr] by which g of the codes is too large.
+            one_stretch: whether all channels have the stretch of the first.
         """
+        self._one_stretch = one_stretch
         self._kind, self._lobe, self._faint = kind, model.arch.lobe, faint
-        self._table = table_of(model) if functions is None else BasisTable(functions)
+        self._table = table_of(model) if table is None else table
         self._end = self._lobe + self._table.count  # of the numbers of functions
 
     def code_terms(self, latents: Sequence[Sequence]) -> list[list]:
         """Terms of the code of each channel, from numbers or Dr.Jit floats (C, size)."""
         terms = []
         for c, z in enumerate(latents):
-            stretch2 = [dr.exp(2 * x) for x in z[self._end :]]
+            stretch2 = [dr.exp(2 * x) for x in z[self._end :] if self._has_stretch(c)]
             lobe = (z[i] for i in self._kind.numbers(c))
             terms.append([*lobe, *z[self._lobe : self._end], *stretch2])
         return terms
@@ -129,15 +135,14 @@ class BasisDecoder:
 
         Exchanging wi and wo gives the same bits.
         """
-        two, rests = self._kind.widths == 2, list[Any]()
-        count, looked_up = self._table.count + two, dict[Any, list]()
-        for channel in terms:
-            gain, *numbers = channel[-count:]
-            stretch2 = numbers.pop() if two else None
-            key = None if stretch2 is None else stretch2.index  # of the variable
-            if key not in looked_up:
-                looked_up[key] = self._table.at(wi, wo, stretch2)
-            mean, *functions = looked_up[key]
+        rests, lobes, stretch2 = list[Any](), list[Any](), None
+        for c, channel in enumerate(terms):
+            if self._has_stretch(c):
+                *channel, stretch2 = channel
+            if c == 0 or self._has_stretch(c):
+                mean, *functions = self._table.at(wi, wo, stretch2)
+            gain, *numbers = channel[-self._table.count :]
+            lobes.append(channel[: -self._table.count])
             log = mean + gain
             for number, function in zip(numbers, functions, strict=True):
                 log = dr.fma(number, function, log)
@@ -146,8 +151,11 @@ class BasisDecoder:
                 rest = rest - self._faint
                 rest = rest + dr.detach(dr.maximum(-rest, 0))
             rests.append(rest)
-        lobes = self._kind.complete([channel[:-count] for channel in terms])
-        return lobe.with_rests(lobes, rests, wi, wo, self._kind)
+        return lobe.with_rests(self._kind.complete(lobes), rests, wi, wo, self._kind)
+
+    def _has_stretch(self, channel: int) -> bool:
+        """Whether the terms of a channel have a stretch."""
+        return self._kind.widths == 2 and (channel == 0 or not self._one_stretch)
 
 
 class Vertex(NamedTuple):
@@ -200,7 +208,10 @@ class ConstantLatents(EvaluatedCodes):
         whole = table is not None and not material.beside_lobe
         self._kind = NO_LOBE if whole else kind_of(latents[:, : model.arch.lobe])
         self._sampler = CodeProposals(model, self._kind)
-        self._decoder = BasisDecoder(model, self._kind) if model.widths == 2 else None
+        self._decoder = None
+        if model.widths == 2:
+            one = not self._fine and bool((latents[:, -1] == latents[0, -1]).all())
+            self._decoder = BasisDecoder(model, self._kind, one_stretch=one)
         self._table: Any = None  # of the rest's g, or of all of f; None: there is no rest
         if self._decoder is None:
             table = model.networks.table(latents) if table is None else table

@@ -17,7 +17,7 @@ import numpy as np
 
 from urushi.core.namespace import DRJIT, NUMPY
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.latents.codes import BasisDecoder, EvaluatedCodes, Vertex
+from urushi.mitsuba.latents.codes import BasisDecoder, BasisTable, EvaluatedCodes, Vertex
 from urushi.mitsuba.latents.lobe import kind_of
 from urushi.mitsuba.latents.proposal import CodeProposals
 from urushi.mitsuba.recording import only_where, owned
@@ -73,20 +73,17 @@ class AxisLatents(EvaluatedCodes):
     def _store(self) -> None:
         """Store the numbers at the nodes in Dr.Jit's memory."""
         model, tops, rests = self.baked.extended, self.baked.lobes, self.baked.rests
-        functions, changes = None, self._changes
+        changes = self._changes
         terms = proposal.code_terms(model.params, rests.mean(axis=0))
         if model.widths == 2:
             terms = np.append(terms, rests[..., -1:].mean(axis=0), axis=1)
-        else:
-            # Codes that slopes reach are represented, too.
-            largest = [np.maximum(np.abs(x).max(), 1e-9) for x in np.moveaxis(changes, 2, 0)]
-            reached = [rests + changes[:, :, k] * (REACH / x) for k, x in enumerate(largest)]
-            every = np.concatenate([rests, *reached], axis=1)
-            functions, projection = projection_of(
-                model, np.tile(tops, (1, 1 + len(reached), 1)), every
-            )
-            rests = projection.numbers(rests)
-            changes = projection.changes(changes) if changes.size else changes
+        # Codes that slopes reach are represented, too.
+        largest = [np.maximum(np.abs(x).max(), 1e-9) for x in np.moveaxis(changes, 2, 0)]
+        reached = [rests + changes[:, :, k] * (REACH / x) for k, x in enumerate(largest)]
+        every = np.concatenate([rests, *reached], axis=1)
+        functions, projection = projection_of(model, np.tile(tops, (1, 1 + len(reached), 1)), every)
+        rests = projection.numbers(rests)
+        changes = projection.changes(changes) if changes.size else changes
         known = {i for axis in self.baked.axes for i in self._places.get(axis.name, ())}
         differ = np.ptp(tops, axis=(0, 1)) > 0
         #: Places of the numbers of lobes that nodes hold.
@@ -97,7 +94,11 @@ class AxisLatents(EvaluatedCodes):
         self._numbers = Numbers(numbers.reshape(-1, numbers.shape[-1]))
         self._terms = Numbers(terms)
         self._kind = kind_of(tops)
-        self._decoder = BasisDecoder(model, self._kind, functions, self.baked.faint)
+        table = BasisTable(functions, [0, *projection.factors.tolist()])
+        #: Whether channels share a stretch: on axes that of the place, or the mean of their places.
+        self._one_stretch = self.baked.grid is None or bool((rests == rests[:1])[..., -1].all())
+        options = self.baked.faint, self._one_stretch
+        self._decoder = BasisDecoder(model, self._kind, table, *options)
         self._sampler = CodeProposals(model, self._kind)
         self._slopes = [owned(mi.Float, changes)] if changes.size else []
 
@@ -118,7 +119,7 @@ class AxisLatents(EvaluatedCodes):
             return vertex
         # Outside of the call: inside, Dr.Jit 1.5 counts gradients of single numbers several times.
         changes = [[x - dr.detach(x) for x in part] for part in values]
-        terms = []
+        terms, two, turned = [], self._kind.widths == 2, mi.Float(0)
         for c, channel in enumerate(vertex.decoder_terms):
             places, moved = self._kind.numbers(c), list(channel)
             for name, own, slope in zip(self._all, changes, vertex.slopes[c], strict=True):
@@ -127,11 +128,15 @@ class AxisLatents(EvaluatedCodes):
                     if place in places:
                         at = places.index(place)
                         moved[at] = dr.fma(self._one, change, moved[at])
-                if self._kind.widths == 2:  # the last number is the squared stretch
-                    slope = [*slope[:-1], 2 * channel[-1] * slope[-1]]
+                if two:  # the last number is the stretch, the mean over all channels
+                    *slope, stretch = slope
+                    turned = dr.fma(stretch, change, turned)
                 for i, number in enumerate(slope, len(places)):
                     moved[i] = dr.fma(number, change, moved[i])
             terms.append(moved)
+        if two:
+            stretch2 = terms[0][-1]
+            terms[0][-1] = dr.fma((2 / len(terms)) * dr.detach(stretch2), turned, stretch2)
         return vertex._replace(decoder_terms=terms)
 
     def _values(self, terms, wi, wo):
@@ -154,6 +159,8 @@ class AxisLatents(EvaluatedCodes):
             lobe = self._lobe(values, code[: len(self._stored)])
             codes.append([*lobe, *code[len(self._stored) :]])
             slopes.append(self._slopes_at(corners))
+        if self._kind.widths == 2 and self._one_stretch:
+            codes[0][-1] = sum(code[-1] for code in codes) * (1 / len(codes))
         mean = self._kind.mean([code[: len(self._fixed)] for code in codes])
         node = nearest(baked.shape, [sum(x) * (1 / len(x)) for x in coordinates], mi.UInt32)
         drawn = self._terms.at([(node, 1.0)])
