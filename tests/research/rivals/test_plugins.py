@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gallery import stage
 from research.rivals import belcour, plugins, weidlich
 from tests.mitsuba import sampling
 from tests.mitsuba.probes import f
@@ -18,14 +19,10 @@ def registered():
     plugins.register()
 
 
-def rgb_value(*values: float) -> dict:
-    return {"type": "rgb", "value": list(values)}
-
-
 BOTTOMS = {
     "conductor": (GOLD, urushi.conductor(0.2, eta=0.2, k=3.9)),
     "diffuse": (
-        {"type": "diffuse", "reflectance": rgb_value(0.9, 0.5, 0.1)},
+        stage.diffuse(0.9, 0.5, 0.1),
         urushi.diffuse((0.9, 0.5, 0.1)),
     ),
 }
@@ -46,7 +43,7 @@ def test_values_are_the_models(rgb, random_directions, model, kind, medium, widt
     wi, wo = (random_directions(3000, seed, 0.05) for seed in (0, 1))
     nested, described = BOTTOMS[kind]
     coat = COAT | {"type": f"layered_{model.__name__.rpartition('.')[2]}"}
-    plugin = coat | medium | {"alpha": 0.1, "sigma_t": rgb_value(*COLOURS), "base": nested}
+    plugin = coat | medium | {"alpha": 0.1, "sigma_t": stage.rgb(*COLOURS), "base": nested}
     stack = urushi.coat(described, 0.1, 1.5, **({"albedo": 0.0} | medium), sigma_t=COLOURS)
     twice = coat | widths | {"int_ior": 0.8, "base": plugin | {"int_ior": 1.2, "ext_ior": 0.8}}
     for bsdf, layers in (plugin, stack), (twice, urushi.coat(stack, eta=0.8, **widths)):
@@ -56,14 +53,14 @@ def test_values_are_the_models(rgb, random_directions, model, kind, medium, widt
 
 def test_samples_follow_the_normalised_density(rgb):
     """Of smooth and rough coats, over metal, a Lambertian surface, black, and another coat."""
-    scattering = {"sigma_t": rgb_value(*COLOURS), "albedo": 0.9, "g": 0.2}
+    scattering = {"sigma_t": stage.rgb(*COLOURS), "albedo": 0.9, "g": 0.2}
     narrow = GOLD | {"alpha": 0.02}
     black = {"type": "diffuse", "reflectance": 0.0}
     first = COAT | {"alpha": 0.01, "base": narrow}
     coats = {
         0: first,
         45: COAT | {"alpha": 0.3, "base": {"type": "diffuse"}},
-        70: COAT | scattering | {"alpha": rgb_value(0.05, 0.1, 0.4), "base": GOLD},
+        70: COAT | scattering | {"alpha": stage.rgb(0.05, 0.1, 0.4), "base": GOLD},
         89: COAT | {"alpha": 0.6, "int_ior": 0.7, "base": black},
         20: COAT | scattering | {"alpha": 0.2, "int_ior": 1.9, "base": first},
         60: COAT | {"alpha": 0.05, "sigma_t": 20.0, "base": narrow},
