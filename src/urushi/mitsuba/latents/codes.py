@@ -209,15 +209,13 @@ class ConstantLatents(EvaluatedCodes):
         self._kind = NO_LOBE if whole else kind_of(latents[:, : model.arch.lobe])
         self._sampler = CodeProposals(model, self._kind)
         self._decoder = None
-        if model.widths == 2:
-            one = not self._fine and bool((latents[:, -1] == latents[0, -1]).all())
-            self._decoder = BasisDecoder(model, self._kind, one_stretch=one)
         self._table: Any = None  # of the rest's g, or of all of f; None: there is no rest
-        if self._decoder is None:
-            table = model.networks.table(latents) if table is None else table
-            if table is not None:
-                table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
-                self._table = stored(table, half=False)
+        table = model.networks.table(latents) if table is None else table
+        if model.widths == 2 and table is not None:
+            self._decoder, latents = self._own_decoder(latents, table)
+        elif table is not None:
+            table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
+            self._table = stored(table, half=False)
         if self._fine:
             rows = np.array([self._code_terms(z[None])[0] for z in latents], np.float32)
             self._decoder_terms = [owned(mi.Float, rows)]
@@ -235,6 +233,24 @@ class ConstantLatents(EvaluatedCodes):
             self._changing = BasisDecoder(model, kind)
             self._size, self._codes = tensor.shape[-1], tensor.array
             dr.make_opaque(self._codes)
+
+    def _own_decoder(
+        self, latents: np.ndarray, table: np.ndarray
+    ) -> tuple[BasisDecoder, np.ndarray]:
+        """The decoder of codes (C, L) of two widths, and the codes that it takes.
+
+        Codes of one stretch have their tables (`Basis.table`) in the place of the functions, each
+        times one for its own channel.
+        """
+        if self._fine or (latents[:, -1] != latents[0, -1]).any():
+            return BasisDecoder(self.model, self._kind), latents
+        channels, factors = table.shape[-2:]
+        rows = np.pad(table.reshape(-1, channels * factors), [(0, 0), (1, 0)])
+        own = BasisTable(rows, [0, *[*range(factors)] * channels])
+        chosen = np.repeat(np.eye(channels), factors, axis=1)
+        parts = latents[:, : self.model.arch.lobe], np.zeros((channels, 1)), chosen
+        codes = np.concatenate([*parts, latents[:, -1:]], axis=1)
+        return BasisDecoder(self.model, self._kind, own, one_stretch=True), codes
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
