@@ -32,6 +32,7 @@ from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.tables import Numbers, stored, tabulated
 from urushi.nets.networks import Networks
 from urushi.nets.weights import Model
+from urushi.textures.principal import projection_of
 
 
 class BasisTable:
@@ -125,7 +126,7 @@ class BasisDecoder:
         """Terms of the code of each channel, from numbers or Dr.Jit floats (C, size)."""
         terms = []
         for c, z in enumerate(latents):
-            stretch2 = [dr.exp(2 * x) for x in z[self._end :] if self._has_stretch(c)]
+            stretch2 = [dr.exp(2 * x) for x in z[self._end :] if self.has_stretch(c)]
             lobe = (z[i] for i in self._kind.numbers(c))
             terms.append([*lobe, *z[self._lobe : self._end], *stretch2])
         return terms
@@ -137,9 +138,9 @@ class BasisDecoder:
         """
         rests, lobes, stretch2 = list[Any](), list[Any](), None
         for c, channel in enumerate(terms):
-            if self._has_stretch(c):
+            if self.has_stretch(c):
                 *channel, stretch2 = channel
-            if c == 0 or self._has_stretch(c):
+            if c == 0 or self.has_stretch(c):
                 mean, *functions = self._table.at(wi, wo, stretch2)
             gain, *numbers = channel[-self._table.count :]
             lobes.append(channel[: -self._table.count])
@@ -153,7 +154,7 @@ class BasisDecoder:
             rests.append(rest)
         return lobe.with_rests(self._kind.complete(lobes), rests, wi, wo, self._kind)
 
-    def _has_stretch(self, channel: int) -> bool:
+    def has_stretch(self, channel: int) -> bool:
         """Whether the terms of a channel have a stretch."""
         return self._kind.widths == 2 and (channel == 0 or not self._one_stretch)
 
@@ -239,18 +240,24 @@ class ConstantLatents(EvaluatedCodes):
     ) -> tuple[BasisDecoder, np.ndarray]:
         """The decoder of codes (C, L) of two widths, and the codes that it takes.
 
-        Codes of one stretch have their tables (`Basis.table`) in the place of the functions, each
-        times one for its own channel.
+        Codes of one stretch have functions of their own: the bands of a spectrum principal ones,
+        a few channels their tables (`Basis.table`), each times one for its own channel.
         """
-        if self._fine or (latents[:, -1] != latents[0, -1]).any():
+        size, (channels, factors) = self.model.arch.lobe, table.shape[-2:]
+        if (latents[:, -1] != latents[0, -1]).any():
             return BasisDecoder(self.model, self._kind), latents
-        channels, factors = table.shape[-2:]
-        rows = np.pad(table.reshape(-1, channels * factors), [(0, 0), (1, 0)])
-        own = BasisTable(rows, [0, *[*range(factors)] * channels])
-        chosen = np.repeat(np.eye(channels), factors, axis=1)
-        parts = latents[:, : self.model.arch.lobe], np.zeros((channels, 1)), chosen
-        codes = np.concatenate([*parts, latents[:, -1:]], axis=1)
-        return BasisDecoder(self.model, self._kind, own, one_stretch=True), codes
+        tops, rests = latents[:, :size], latents[:, size:]
+        if self._fine:
+            rows, projection = projection_of(self.model, tops[None], rests[None])
+            numbers, which = projection.numbers(rests), projection.factors.tolist()
+        else:
+            rows = np.pad(table.reshape(-1, channels * factors), [(0, 0), (1, 0)])
+            which = [*range(factors)] * channels
+            chosen = np.repeat(np.eye(channels), factors, axis=1)
+            numbers = np.concatenate([np.zeros((channels, 1)), chosen, rests[:, -1:]], axis=1)
+        own = BasisTable(rows, [0, *which])
+        decoder = BasisDecoder(self.model, self._kind, own, one_stretch=True)
+        return decoder, np.concatenate([tops, numbers], axis=1)
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
@@ -272,6 +279,8 @@ class ConstantLatents(EvaluatedCodes):
         for i, band in enumerate(bands):
             own = self._kind.numbers(i)  # without those that are the same in all channels
             kept = [k for k in range(count) if k >= len(places) or places[k] in own]
+            if self._decoder is not None and not self._decoder.has_stretch(i):
+                kept = kept[:-1]
             terms.append([dr.gather(mi.Float, numbers, band * count + k) for k in kept])
         return [*terms, bands]
 
