@@ -38,11 +38,11 @@ def value(low: float, high: float, channels: int, seed: int) -> dict | float:
     return {"type": "rgb", "value": numbers} if channels == 3 else numbers[0]
 
 
-def material(plugin: str, textures: int, side: int = TEXELS) -> dict:
+def material(plugin: str, textures: int, side: int = TEXELS, brushed: bool = False) -> dict:
     """The sphere's BSDF; plugin: `PRINCIPLED`, or as of `scenes.coat`.
 
     textures: none; `FEW`: the colour, the width of the coat and the roughness below; more: of all
-    parameters. side: of the textures, in texels.
+    parameters. side: of the textures, in texels. brushed: whether the metal has two widths.
     """
     textured = partial(texture, side)
     first, other = (textured if textures > least else value for least in (0, FEW))
@@ -54,8 +54,11 @@ def material(plugin: str, textures: int, side: int = TEXELS) -> dict:
             "metallic": other(0, 1, 1, 3),
             "clearcoat": other(0.1, 1, 1, 4),
             "clearcoat_gloss": first(0.3, 0.9, 1, 5),
+            **({"anisotropic": 0.6} if brushed else {}),
         }
-    bottom = {"type": "roughconductor", "distribution": "ggx", "alpha": first(0.05, 0.4, 1, 1)}
+    width = first(0.05, 0.4, 1, 1)
+    widths = {"alpha_u": width, "alpha_v": 0.3} if brushed else {"alpha": width}
+    bottom = {"type": "roughconductor", "distribution": "ggx"} | widths
     return coat(plugin) | {
         "alpha": first(0.02, 0.3, 1, 3),
         "albedo": first(0.2, 0.95, 3, 4),

@@ -46,7 +46,8 @@ def _line(law: dict[str, Any]) -> list[str]:
 
 EXPERIMENT = Experiment(
     lambda _: {"all": None},
-    *(tables, lambda _, options: measure(options.model, benchmark.read())),
+    tables,
+    lambda _, options: measure(options.model, benchmark.read()),
     pages=("README.md", "docs/results.md", "src/urushi/nets/weights/README.md"),
     models=NETWORKS,
 )

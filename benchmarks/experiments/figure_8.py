@@ -63,7 +63,9 @@ def tables(found: Found) -> list[str]:
 
 EXPERIMENT = Experiment(
     lambda _: {f"{number}": number for number in INTERFACES},
-    *(tables, measure, plot),
+    tables,
+    measure,
+    plot,
     models=NETWORKS,
     minutes=2,
 )

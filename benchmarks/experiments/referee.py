@@ -107,7 +107,8 @@ def tables(found: Found) -> list[str]:
 
 EXPERIMENT = Experiment(
     lambda _: {name: name for name in (TRUTH, *methods.METHODS)},
-    *(tables, measure),
+    tables,
+    measure,
     pages=("docs/referee.md",),
     models=NETWORKS,
     minutes=25,

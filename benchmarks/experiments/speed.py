@@ -19,6 +19,7 @@ from benchmarks.experiment import NETWORKS, Experiment, Found, Options
 from benchmarks.pictures import View
 from benchmarks.scenes import PRINCIPLED, WALK, coat
 from benchmarks.showing import table
+from benchmarks.spheres import ALL, FEW
 
 import urushi
 from urushi.core import direction_sets
@@ -27,7 +28,7 @@ from urushi.material import adding
 from urushi.material.slab_table import slab_tables
 from urushi.measured import merl
 from urushi.measured.tabulated import bin_centres
-from urushi.nets.weights import DEFAULT
+from urushi.nets.weights import ANISOTROPIC, DEFAULT
 from urushi.parallel import one_blas_thread
 from urushi.walk import analytic, walk_pairs
 from urushi.walk.table import from_stack
@@ -84,7 +85,7 @@ def evaluations(options: Options) -> Found:
     """Millions of RGB evaluations of f a CPU second, of constants and of textures."""
     count, rng = options.count(EVALUATIONS, 1 << 10), np.random.default_rng(0)
     (wi, wo), uv, kernels = direction_sets.cosine_pairs(rng, count), rng.random((count, 2)), {}
-    for name, textures in (("constant", 0), ("textured", spheres.ALL)):
+    for name, textures in (("constant", 0), ("textured", ALL)):
         bsdf = mi.load_dict(spheres.material(options.weights or DEFAULT, textures))
         recorded = timing.evaluation(bsdf, wi, wo, uv)
         kernels[f"million evaluations of f, {name}"] = partial(timing.kernel, recorded)
@@ -187,9 +188,13 @@ def renders(make: Callable[[str], Any], options: Options) -> Found:
     return {name: seconds for name, (seconds, _) in times.items()} | {"compile": times["codes"][1]}
 
 
-def sphere(textures: int, options: Options) -> Found:
-    side = options.count(SIDE, 32)
-    return renders(lambda plugin: spheres.scene(spheres.material(plugin, textures), side), options)
+def sphere(textures: int, brushed: bool, options: Options) -> Found:
+    def make(plugin: str) -> Any:
+        plugin = ANISOTROPIC if brushed and plugin == DEFAULT else plugin
+        bsdf = spheres.material(plugin, textures, brushed=brushed)
+        return spheres.scene(bsdf, options.count(SIDE, 32))
+
+    return renders(make, options)
 
 
 def whole(name: str, options: Options) -> Found:
@@ -200,9 +205,11 @@ def whole(name: str, options: Options) -> Found:
 
 def cases(_: Options) -> dict[str, Any]:
     parts = {"evaluations": evaluations, "walks": walks, "materials": materials, "slabs": slabs}
-    textures = {"constant": 0, "three textures": spheres.FEW, "all textured": spheres.ALL}
     parts |= {"loading": loading}
-    parts |= {f"sphere, {name}": partial(sphere, number) for name, number in textures.items()}
+    for name, textures in (("constant", 0), ("three textures", FEW), ("all textured", ALL)):
+        parts[f"sphere, {name}"] = partial(sphere, textures, False)
+    for name, textures in (("constant", 0), ("three textures", FEW)):
+        parts[f"brushed sphere, {name}"] = partial(sphere, textures, True)
     return parts | {f"scene {name}": partial(whole, name) for name in WHOLE}
 
 

@@ -227,7 +227,8 @@ def _errors(found: Found, name: str) -> str:
 
 EXPERIMENT = Experiment(
     lambda options: {"evaluation": None} | {s.name: s for s in subjects(options)},
-    *(tables, measure),
+    tables,
+    measure,
     models=NETWORKS,
     minutes=45,
 )
