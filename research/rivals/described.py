@@ -56,7 +56,7 @@ class DescribedBottom:
             bsdf = self._textures["brdf_0"]
             self._textures = nested_objects(bsdf)
         known = known_surface(bsdf)
-        self.is_diffuse = known.reflectance is not None
+        self.is_diffuse = bsdf.class_name() == "SmoothDiffuse"
         if "alpha_u" in self._textures or not (known.lobe_only or self.is_diffuse):
             raise ParameterError(
                 f"{where}: the model does not support the nested {bsdf.class_name()}; nest a "

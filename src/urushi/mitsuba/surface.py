@@ -34,8 +34,6 @@ class KnownSurface:
     # of an anisotropic BSDF; None if they are not known.
     lobes: Callable[[Any], list[list] | None] = lambda si: None
     lobe_only: bool = False  # whether it is its lobe and nothing else
-    # From si to the reflectance of each channel of a Lambertian BSDF; None: it is not Lambertian.
-    reflectance: Callable[[Any], list] | None = None
     # The BSDF whose values a table holds where the codes have others; None: there is none.
     table_source: Callable[[], Any] = lambda: None
     rotated: bool = False  # whether its tangent is turned about the normal

@@ -7,7 +7,6 @@ from tests.mitsuba.probes import bitmap, f
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
 from urushi.material.encode import encode
-from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.changed import replaced
 from urushi.mitsuba.reading.known import known_surface
@@ -27,10 +26,10 @@ KNOWN = {
     "gold": GGX | {"material": "Au"},
     "glass": GGX | {"eta": 1.5, "k": 0.0, "specular_reflectance": COLOUR},
     "both sides": {"type": "twosided", "surface": GGX | {"material": "Cu"}},
-    "diffuse": {"type": "diffuse", "reflectance": COLOUR},
     "black plastic": PLASTIC | {"type": "roughplastic"},
     "black pplastic": PLASTIC | {"type": "pplastic"},
 }
+DIFFUSE = {"type": "diffuse", "reflectance": COLOUR}
 UNKNOWN = {
     "beckmann": GGX | {"distribution": "beckmann"},
     "plastic": {"type": "roughplastic"},
@@ -51,19 +50,21 @@ def test_a_known_surface_has_the_values_of_the_bsdf(rgb, name):
     bsdf = rgb.load_dict(KNOWN[name])
     uv, known = np.full((len(WI), 2), 0.5), known_surface(bsdf)
     values = lobes.f(probing.known_lobes(bsdf, uv), WI[:, None], WO[:, None])
-    if known.reflectance is not None:
-        channels = spectrum.channels_at(uv, lambda si, active: known.reflectance(si))
-        values = values + channels.T / np.pi
     expected = probing.bsdf_values(bsdf, WI, WO, uv)
     # single precision of the half vector, in the steepest part of the lobe
     np.testing.assert_allclose(values, expected, rtol=5e-4, atol=1e-6)
-    assert known.lobe_only == (name not in ("diffuse", "black plastic", "black pplastic"))
+    assert known.lobe_only == (name not in ("black plastic", "black pplastic"))
+
+
+def test_a_diffuse_surface_has_no_lobe(rgb):
+    found = probing.known_lobes(rgb.load_dict(DIFFUSE), np.full((1, 2), 0.5))
+    assert not lobes.f(found, WI[:, None], WO[:, None]).any()
 
 
 @pytest.mark.parametrize("name", UNKNOWN)
 def test_other_bsdfs_are_known_by_their_values_alone(rgb, name):
     known = known_surface(rgb.load_dict(UNKNOWN[name]))
-    assert known.lobes(None) is None and not known.lobe_only and known.reflectance is None
+    assert known.lobes(None) is None and not known.lobe_only
 
 
 @pytest.mark.parametrize("name", MADE_AGAIN)
@@ -84,7 +85,7 @@ def test_textures_without_a_meaning_are_refused(rgb, networks, name, value):
     pixels = np.full((2, 2, 3), 0.5)
     pixels[1, 1, 2] = value
     own = "reflectance" if name == "diffuse" else "specular_reflectance"
-    base = KNOWN[name] | {own: bitmap(pixels)}
+    base = (KNOWN | {"diffuse": DIFFUSE})[name] | {own: bitmap(pixels)}
     match = f"a texel of .* is {value}; it must be zero or more"
     with pytest.raises((ParameterError, RuntimeError), match=match):
         rgb.load_dict({"type": "neural_layered", "weights": str(networks), "base": base})
@@ -93,7 +94,7 @@ def test_textures_without_a_meaning_are_refused(rgb, networks, name, value):
 def test_codes_of_textures_have_the_lobes_of_their_coats(rgb, model, networks):
     albedo = bitmap(np.random.default_rng(0).random((2, 2, 3)))
     inner = {"type": "neural_layered", "weights": str(networks), "albedo": albedo, "sigma_t": 1.0}
-    inner["base"] = KNOWN["diffuse"]
+    inner["base"] = DIFFUSE
     outer = {"type": "neural_layered", "weights": str(networks), "alpha": 0.3, "base": inner}
     for coat, width in ((inner, 0.1), (outer, 0.3)):
         codes = rgb.load_dict(coat).latents.at(np.float32([[0.25, 0.25], [0.75, 0.25]]))

@@ -1,9 +1,8 @@
 """What is known of a BSDF besides its values, for a coat above it.
 
 Of Mitsuba's own, `roughconductor` with the GGX distribution is a lobe and nothing else,
-`roughplastic` and an isotropic `pplastic` have one, and `diffuse` has none; so has a `blendbsdf` of
-`diffuse` and one of them. All are read from their parameters. Others are known by their values
-alone.
+`roughplastic` and an isotropic `pplastic` have one, and `diffuse` has none. All are read from their
+parameters. Others are known by their values alone.
 """
 
 from collections.abc import Mapping
@@ -34,36 +33,14 @@ def known_surface(bsdf: "mi.BSDF") -> KnownSurface:
     while bsdf.class_name() == "TwoSidedBRDF":
         bsdf = nested_objects(bsdf)["brdf_0"]
     if bsdf.class_name() == "SmoothDiffuse":
-        channels = partial(_channels, nested_objects(bsdf), "reflectance")
-        return KnownSurface(
-            lobes=lambda si: [[*map(mi.Float, NO_LOBE)] for _ in channels(si)], reflectance=channels
-        )
+        count = len(spectrum.to_channels(mi.Spectrum(0)))
+        return KnownSurface(lobes=lambda si: [[*map(mi.Float, NO_LOBE)]] * count)
     plastic = bsdf.class_name() in PLASTICS and "alpha_u" not in nested_objects(bsdf)
     if plastic and GGX in str(bsdf):
         return KnownSurface(lobes=partial(_plastic_lobes, bsdf), table_source=lambda: bsdf)
-    if bsdf.class_name() == "BlendBSDF":
-        return _known_blend(bsdf)
     if bsdf.class_name() == "RoughConductor" and GGX in str(bsdf):
         return KnownSurface(lobes=partial(_conductor_lobes, nested_objects(bsdf)), lobe_only=True)
     return KnownSurface()
-
-
-def _known_blend(blend: "mi.BSDF") -> KnownSurface:
-    """The lobe of a `blendbsdf` of a Lambertian BSDF and one of a known lobe; else nothing."""
-    parts = nested_objects(blend)
-    known = [known_surface(parts[name]) for name in ("bsdf_0", "bsdf_1")]
-    glossy = [index for index, part in enumerate(known) if part.reflectance is None]
-    if len(glossy) != 1 or not (known[glossy[0]].lobe_only or known[glossy[0]].table_source()):
-        return KnownSurface()
-    lobes_of_part = known[glossy[0]].lobes
-
-    def lobes(si) -> list[list] | None:
-        weight = dr.clip(parts["weight"].eval_1(si), 0, 1)
-        share = weight if glossy[0] else 1 - weight
-        found = lobes_of_part(si)
-        return found and [[x[0], *(share * y for y in x[1:4]), *x[4:]] for x in found]
-
-    return KnownSurface(lobes=lobes, table_source=lambda: blend)
 
 
 def _conductor_lobes(textures: Mapping[str, "mi.Texture"], si) -> list[list]:
