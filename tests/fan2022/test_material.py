@@ -52,7 +52,6 @@ def test_errors_are_measured_over_stacks_of_indices_above_one(paper, monkeypatch
 
     groups = group("common", "common"), group("low", "low")
     sets = {g.name: benchmark.simulate(g) for g in groups}
-    monkeypatch.setattr(evaluation, "GROUPS", groups)
     rows = tuple(evaluation.ROWS[0].__class__(g.name, (g.name,)) for g in groups)
     monkeypatch.setattr(evaluation, "ROWS", rows)
     text = evaluation.evaluate(paper, sets)
