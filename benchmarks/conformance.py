@@ -30,7 +30,8 @@ from urushi.openpbr_surface.description import openpbr
 KIND, FILE = "conformance", Path(__file__).with_suffix(".safetensors")
 
 #: Walks of a pair in one evaluation, evaluations of the pilot run, and greatest number of
-#: evaluations. The pilot run tells how many give the `ERROR`, E of one standard error.
+#: evaluations. From the pilot run follows how many are needed for a standard error with an E of
+#: `ERROR`.
 WALKS, PILOT, MOST_ROUNDS, ERROR = 1024, 2, 64, 0.004
 
 

@@ -31,6 +31,7 @@ from urushi.core.lanes import Lane
 from urushi.core.microfacet import pair
 from urushi.core.namespace import DRJIT
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
+from urushi.core.spanning import spanning
 from urushi.core.table import SHAPE, known_pairs
 from urushi.material import adding, adding_quadrant
 from urushi.material.crossing import GENERATORS, LEAST_COSINE, cross, crossing_at, kept
@@ -241,18 +242,8 @@ def _basis(s: np.ndarray) -> tuple[list[int], np.ndarray]:
     if not sizes.any():  # all are black
         return [0], np.ones((1, s.shape[1]))
     relative /= np.where(sizes > 0, sizes, 1)
-    left, chosen, shares = relative.copy(), list[int](), list[np.ndarray]()
-    while len(chosen) < s.shape[1]:
-        away = np.linalg.norm(left, axis=0)
-        farthest = int(np.argmax(away))
-        if away[farthest] < SPANNED:
-            break
-        chosen.append(farthest)
-        axis = left[:, farthest] / away[farthest]
-        shares.append(axis @ left)
-        left -= axis[:, None] * shares[-1]
+    chosen, along = spanning(relative.T, SPANNED, s.shape[1])
     # Least squares by the axes that were found, of which each chosen column is a sum
-    along = np.array(shares, np.float64)
     weights = np.linalg.solve(along[:, chosen], along)
     return chosen, weights * (sizes / sizes[chosen, None])
 

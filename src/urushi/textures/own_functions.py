@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from urushi.core.spanning import spanning
 from urushi.nets import basis
 from urushi.nets.weights import Model
 
@@ -46,9 +47,10 @@ def with_own_functions(
     light /= light.sum(axis=1, keepdims=True)
     lacks = np.log(g) - basis.decode_log(rests[:, None], own.probe_rows(0.0))
     lacks = (np.sqrt(light) * lacks).astype(np.float64)
-    chosen = spanning(lacks)
-    if not len(chosen):
+    found, _ = spanning(lacks, ENOUGH, TABLES)
+    if not found:
         return model
+    chosen = np.array(found)
     lacking = np.log(np.maximum(tables(chosen), LEAST)) - basis.decode_log(
         rests[chosen, None], own.rows
     )
@@ -64,17 +66,3 @@ def with_own_functions(
         "proposal.weight": np.pad(parts["proposal.weight"], [(0, len(kept)), (0, 0)]),
     }
     return replace(model, arch=replace(model.arch, functions=size + len(kept)), params=params)
-
-
-def spanning(values: np.ndarray) -> np.ndarray:
-    """Indices (n,) of rows of values (M, P) whose sums are all rows, up to `ENOUGH`."""
-    left, chosen = values.copy(), list[int]()
-    while len(chosen) < TABLES:
-        sizes = np.linalg.norm(left, axis=1)
-        farthest = int(sizes.argmax())
-        if sizes[farthest] < ENOUGH:
-            break
-        chosen.append(farthest)
-        axis = left[farthest] / sizes[farthest]
-        left -= (left @ axis)[:, None] * axis
-    return np.array(chosen, int)

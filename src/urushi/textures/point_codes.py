@@ -1,6 +1,6 @@
 """Codes of a material at points of its axes, by light transport there."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -49,10 +49,10 @@ class Rows(Protocol):
 class Transported(NamedTuple):
     """Values of k points after each of n changes of constants."""
 
-    values: np.ndarray  # (k, n, d) as of `Rows`
+    values: np.ndarray  # (C, k, n, d) as of `Rows`, the same in all channels
     g: np.ndarray  # (C, k, n, P) [1/sr] at the probe pairs
-    lobes: np.ndarray  # (C or 1, k, n, M)
-    passed: np.ndarray  # (C or 1, k, n, P) T(wi) T(wo)
+    lobes: np.ndarray  # (1, k, n, M)
+    passed: np.ndarray  # (C, k, n, P) T(wi) T(wo), the same in all channels
 
 
 class PointCodes:
@@ -79,11 +79,13 @@ class PointCodes:
             weights.append(own[used])
             ways = np.array(changes)[used, None] * unit
             parts.append(self._transported(self.x[::SPARSE], ways))
-        self.extended = self._extended(parts) if model.widths == 1 else model
-        own_rests = [self._encoded(part) for part in parts]
-        self.rests = own_rests[0][:, :, 0]
+        rests = [encoded(model, part) for part in parts]
+        self.extended = self._extended(parts, rests) if model.widths == 1 else model
+        if self.extended is not model:
+            rests = [encoded(self.extended, part) for part in parts]
+        self.rests = rests[0][:, :, 0]
         self.slopes = [
-            np.einsum("n,cknj->ckj", *pair) for pair in zip(weights, own_rests[1:], strict=True)
+            np.einsum("n,cknj->ckj", *pair) for pair in zip(weights, rests[1:], strict=True)
         ]
 
     def lobes(self, x: np.ndarray) -> np.ndarray:
@@ -104,36 +106,34 @@ class PointCodes:
         f = np.stack([self._rows.transported(own) for own in values], axis=-2)
         tops = np.stack([self._lobes(own)[:1] for own in values], axis=-2)
         passed = transmittance.both_ways(tops[..., None, :], *self._model.networks.pairs())
-        return Transported(np.stack(values, axis=1), f / passed + FAINT, tops, passed)
+        own, shape = np.stack(values, axis=1), f.shape[:3]
+        own = np.broadcast_to(own, (*shape, own.shape[-1]))
+        return Transported(own, f / passed + FAINT, tops, np.broadcast_to(passed, f.shape))
 
-    def _encoded(self, part: Transported, model: Model | None = None) -> np.ndarray:
-        """Rests (C, k, n, K).
+    def _extended(self, parts: Sequence[Transported], rests: Sequence[np.ndarray]) -> Model:
+        """The model with functions of the material; rests: of the parts' codes without them."""
 
-        Codes of a place have the same stretch, so that their differences are those of f: stretches
-        are rounded.
-        """
-        model = model or self.extended
-        return model.networks.encode_rest(part.g, part.lobes)[..., model.arch.lobe :]
+        def flat(arrays: Iterable[np.ndarray]) -> np.ndarray:
+            return np.concatenate([x.reshape(-1, x.shape[-1]) for x in arrays])
 
-    def _extended(self, parts: Sequence[Transported]) -> Model:
-        """The model with functions of the material."""
-        values, channels, g, passed, rests = [], [], [], [], []
-        for part in parts:
-            shape = part.g.shape[:3]
-            values.append(np.broadcast_to(part.values, (*shape, part.values.shape[-1])))
-            channels.append(np.broadcast_to(np.arange(shape[0])[:, None, None, None], (*shape, 1)))
-            g.append(part.g)
-            passed.append(np.broadcast_to(part.passed, part.g.shape))
-            rests.append(self._encoded(part, self._model))
-        flat = [
-            np.concatenate([x.reshape(-1, x.shape[-1]) for x in column])
-            for column in (values, channels, g, passed, rests)
-        ]
+        values = flat(part.values for part in parts)
+        sizes = [part.g.shape[:3] for part in parts]
+        channels = np.concatenate([np.repeat(np.arange(c), k * n) for c, k, n in sizes])
 
         def tables(some: np.ndarray) -> np.ndarray:
-            return self._rows.tables(flat[0][some], flat[1][some, 0]) + FAINT
+            return self._rows.tables(values[some], channels[some]) + FAINT
 
-        return with_own_functions(self._model, flat[2], flat[3], flat[4], tables)
+        g, passed = flat(part.g for part in parts), flat(part.passed for part in parts)
+        return with_own_functions(self._model, g, passed, flat(rests), tables)
+
+
+def encoded(model: Model, part: Transported) -> np.ndarray:
+    """Rests (C, k, n, K).
+
+    Codes of a place have the same stretch, so that their differences are those of f: stretches are
+    rounded.
+    """
+    return model.networks.encode_rest(part.g, part.lobes)[..., model.arch.lobe :]
 
 
 def slope_weights(places: np.ndarray, at: np.ndarray) -> np.ndarray:

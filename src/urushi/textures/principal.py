@@ -71,8 +71,8 @@ class Projection:
 
     def first(self, count: int) -> "Projection":
         """The projection to the first components."""
-        parts = self.into[:, :count], self.back[:count], self.factors[:count]
-        return Projection(self.mean, *parts[:2], self.levels, parts[2])
+        into, back, factors = self.into[:, :count], self.back[:count], self.factors[:count]
+        return replace(self, into=into, back=back, factors=factors)
 
 
 def projection_of(
@@ -82,7 +82,7 @@ def projection_of(
 
     Components are scaled to functions of which the largest value is one.
 
-    tops: lobes (C, N, M), C may be one. rests: (C, N, K).
+    tops: lobes (C, N, M), C may be one. rests: (C, N, K), of two widths (C, N, K + 1).
     """
     tops = np.broadcast_to(tops, (*rests.shape[:2], tops.shape[-1])).reshape(-1, tops.shape[-1])
     rests = rests.reshape(-1, rests.shape[-1])

@@ -211,12 +211,13 @@ class ConstantLatents(EvaluatedCodes):
         self._sampler = CodeProposals(model, self._kind)
         self._decoder = None
         self._table: Any = None  # of the rest's g, or of all of f; None: there is no rest
-        table = model.networks.table(latents) if table is None else table
-        if model.widths == 2 and table is not None:
-            self._decoder, latents = self._own_decoder(latents, table)
-        elif table is not None:
-            table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
-            self._table = stored(table, half=False)
+        if model.widths == 2:
+            self._decoder, latents = self._own_decoder(latents)
+        else:
+            table = model.networks.table(latents) if table is None else table
+            if table is not None:
+                table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
+                self._table = stored(table, half=False)
         if self._fine:
             rows = np.array([self._code_terms(z[None])[0] for z in latents], np.float32)
             self._decoder_terms = [owned(mi.Float, rows)]
@@ -235,15 +236,13 @@ class ConstantLatents(EvaluatedCodes):
             self._size, self._codes = tensor.shape[-1], tensor.array
             dr.make_opaque(self._codes)
 
-    def _own_decoder(
-        self, latents: np.ndarray, table: np.ndarray
-    ) -> tuple[BasisDecoder, np.ndarray]:
-        """The decoder of codes (C, L) of two widths, and the codes that it takes.
+    def _own_decoder(self, latents: np.ndarray) -> tuple[BasisDecoder | None, np.ndarray]:
+        """The decoder of codes (C, L) of two widths, None without rests; the codes that it takes.
 
         Codes of one stretch have functions of their own: the bands of a spectrum principal ones,
         a few channels their tables (`Basis.table`), each times one for its own channel.
         """
-        size, (channels, factors) = self.model.arch.lobe, table.shape[-2:]
+        size = self.model.arch.lobe
         if (latents[:, -1] != latents[0, -1]).any():
             return BasisDecoder(self.model, self._kind), latents
         tops, rests = latents[:, :size], latents[:, size:]
@@ -251,6 +250,10 @@ class ConstantLatents(EvaluatedCodes):
             rows, projection = projection_of(self.model, tops[None], rests[None])
             numbers, which = projection.numbers(rests), projection.factors.tolist()
         else:
+            table = self.model.networks.table(latents)
+            if table is None:
+                return None, latents
+            channels, factors = table.shape[-2:]
             rows = np.pad(table.reshape(-1, channels * factors), [(0, 0), (1, 0)])
             which = [*range(factors)] * channels
             chosen = np.repeat(np.eye(channels), factors, axis=1)

@@ -97,8 +97,9 @@ class AxisLatents(EvaluatedCodes):
         table = BasisTable(functions, [0, *projection.factors.tolist()])
         #: Whether channels share a stretch: on axes that of the place, or the mean of their places.
         self._one_stretch = self.baked.grid is None or bool((rests == rests[:1])[..., -1].all())
-        options = self.baked.faint, self._one_stretch
-        self._decoder = BasisDecoder(model, self._kind, table, *options)
+        self._decoder = BasisDecoder(
+            model, self._kind, table, self.baked.faint, one_stretch=self._one_stretch
+        )
         self._sampler = CodeProposals(model, self._kind)
         self._slopes = [owned(mi.Float, changes)] if changes.size else []
 
