@@ -33,11 +33,17 @@ class Train(Training):
     projection_pairs: Pairs = 16
     """Direction pairs in each of the 1,000 steps of a projection. The authors' number is 4096."""
 
+    evaluation: Path | None = None
+    """Weights file whose evaluation network is kept: the layering network and the sampling network
+    alone are trained."""
+
     def trained(self, **options: Any) -> PaperNetworks:
         from fan2022.training import train
 
-        preset = PaperPreset(self.scale, PaperArchitecture(pairs=self.projection_pairs))
-        return train(preset, **options)
+        kept = PaperNetworks.read(self.evaluation) if self.evaluation else None
+        arch = PaperArchitecture(pairs=self.projection_pairs)
+        preset = PaperPreset(self.scale, arch, evaluation=kept and kept.fingerprint)
+        return train(preset, evaluation=kept, **options)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,9 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from fan2022.architecture import PaperArchitecture
+from fan2022.networks import PAIRS
 from fan2022.palette import PaperData
+from fan2022.proxy import INCOMING
 from urushi.errors import ParameterError
 
 
@@ -16,6 +18,9 @@ class PaperPreset:
     fourth root, direction pairs by its square root. The total decay of the rates stays the same.
     The latents' rate is raised by the inverse square root of scale, at most a hundredfold, because
     the latents would otherwise stay near their initial value in the few steps.
+
+    With `evaluation`, the fingerprint of networks whose evaluation network is kept, BRDFs are only
+    projected. They have the 4,096 pairs of the authors' projection then, at all scales.
 
     Command: `python -m fan2022 train --scale 4e-5`
     Time: half an hour on two cores at that scale, 214 minutes at 8e-4, 40 hours of a GPU at 1.
@@ -29,6 +34,7 @@ class PaperPreset:
     stacks: int = 64  # BRDFs in a step
     pairs: int = 64  # direction pairs of each
     seed: int = 0  # of the initial weights and of the order of the examples
+    evaluation: str | None = None  # fingerprint of the networks whose evaluation network is kept
 
     name = "paper"  # of the default folder of its training
 
@@ -45,7 +51,7 @@ class PaperPreset:
 
     @property
     def data(self) -> PaperData:
-        pairs = max(3, round(25 * self.scale**0.125)) ** 4
+        pairs = PAIRS if self.evaluation else max(3, round(25 * self.scale**0.125)) ** 4
         counts = self._shrunk(300, 4), self._shrunk(12_720, 16), self._shrunk(1_800, 4)
         return PaperData(*counts, pairs)
 
@@ -87,4 +93,4 @@ class PaperPreset:
     @property
     def proxy_incoming(self) -> int:
         """Incoming directions over which the histograms of the proxy are averaged."""
-        return max(4, round(1_600 * self.scale**0.5))
+        return max(INCOMING, round(1_600 * self.scale))

@@ -12,13 +12,13 @@ import numpy as np
 from tqdm import tqdm
 
 from fan2022 import layering, proxy, representation
-from fan2022.architecture import LATENT, init
+from fan2022.architecture import LATENT, init, parameters_of
 from fan2022.inference import direction_inputs
 from fan2022.networks import PaperNetworks
 from fan2022.palette import make_shard, read_shard
 from fan2022.preset import PaperPreset
 from fan2022.projection import project
-from urushi.train import training
+from urushi.train import training, workers
 from urushi.train.checkpoint import Checkpoint
 from urushi.train.tables import TableStore, generate
 
@@ -31,10 +31,13 @@ def train(
     run: str | os.PathLike | None = None,
     resume: bool = False,
     cluster: str | None = None,
+    evaluation: PaperNetworks | None = None,
 ) -> PaperNetworks:
     """Train the three networks in turn and write the weights.
 
-    Arguments as for `urushi.train.training.train`.
+    Arguments as for `urushi.train.training.train`; the cluster projects BRDFs, too. evaluation:
+    networks whose evaluation network is kept, so that the others alone are trained; the preset has
+    their fingerprint.
 
     The evaluation network is trained together with its latents. Then all BRDFs are projected, and
     the layering network is trained on their codes. The sampling proxy is trained last. A checkpoint
@@ -49,6 +52,9 @@ def train(
     if point is None:
         journal.clear()
         point = starts["representation"]
+        if evaluation is not None:
+            kept = parameters_of(evaluation.params, "evaluation")
+            point = replace(starts["projection"], networks=kept)
     began = time.monotonic() - point.seconds  # as if earlier runs had been a part of this one
 
     def reached(point: Checkpoint, figures: Mapping[str, float] = {}) -> Checkpoint:
@@ -70,9 +76,14 @@ def train(
             point = reached(replace(point, step=epoch + 1, state=state), {"loss": loss})
         point = reached(replace(starts["projection"], networks=dict(point.state.params)))
     if point.stage == "projection":
-        for shard in tqdm(range(point.step, store.spec.shards()), desc="shards", disable=None):
-            found = projected(point.networks, point.state, preset, store, shard)
-            point = reached(replace(point, step=shard + 1, state=found))
+        networks = {name: np.asarray(value) for name, value in point.networks.items()}
+        project = partial(projected, networks, preset, store)
+        left = missing(preset, point.state)
+        for shard, found in tqdm(
+            workers.results(project, left, cluster), "shards", len(left), disable=None
+        ):
+            state = with_codes(point.state, preset, shard, *found)
+            point = reached(replace(point, step=point.step + 1, state=state))
         point = reached(replace(starts["layering"], networks={**point.networks, **point.state}))
     if point.stage == "layering":
         sets = layering.examples(preset, codes_of(preset, point.networks))
@@ -115,14 +126,30 @@ def beginnings(preset: PaperPreset) -> dict[str, Checkpoint]:
 
 
 def projected(
-    params: Mapping[str, Any], found: Any, preset: PaperPreset, store: TableStore, shard: int
+    params: Mapping[str, Any], preset: PaperPreset, store: TableStore, shard: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The codes (M, 32) and errors (M,) [1/sr] of the BRDFs of a shard."""
+    wi, wo, f = read_shard(store, shard)
+    return project(params, direction_inputs(wi, wo), f, preset.arch, preset.seed)
+
+
+def with_codes(
+    found: Any, preset: PaperPreset, shard: int, codes: np.ndarray, errors: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """The codes and errors [1/sr] of all parts by name, with those of one more shard."""
-    (name, rows), (wi, wo, f) = preset.data.places()[shard], read_shard(store, shard)
+    """The codes and errors of all parts by name, with those of one more shard."""
+    name, rows = preset.data.places()[shard]
     arrays = {key: np.array(values) for key, values in found.items()}
-    result = project(params, direction_inputs(wi, wo), f, preset.arch, preset.seed)
-    arrays[f"codes.{name}"][rows], arrays[f"error.{name}"][rows] = result
+    arrays[f"codes.{name}"][rows], arrays[f"error.{name}"][rows] = codes, errors
     return arrays
+
+
+def missing(preset: PaperPreset, found: Any) -> list[int]:
+    """The shards that are still to be projected, whose codes are 0."""
+    return [
+        shard
+        for shard, (name, rows) in enumerate(preset.data.places())
+        if not np.any(found[f"codes.{name}"][rows])
+    ]
 
 
 def codes_of(preset: PaperPreset, arrays: Mapping[str, Any]) -> dict[str, np.ndarray]:

@@ -46,10 +46,12 @@ def test_shards_are_projected_into_their_places(tmp_path):
     preset = PaperPreset(TINY, PaperArchitecture(steps=4, pairs=16))
     store, params = generate(preset.data, tmp_path / "data", make_shard), init(0)
     start = training.beginnings(preset)["projection"].state
-    found = training.projected(params, start, preset, store, 2)
+    assert training.missing(preset, start) == [0, 1, 2, 3]
+    result = training.projected(params, preset, store, 2)
+    found = training.with_codes(start, preset, 2, *result)
     codes = found["codes.two-layer"]
     assert (codes != 0).all() and (found["error.two-layer"] > 0).all()
-    assert not found["codes.conductor"].any()
+    assert training.missing(preset, found) == [0, 1, 3]
     wi, wo, f = (values[:1] for values in read_shard(store, 2))
     alone, _ = projection.project(params, direction_inputs(wi, wo), f, preset.arch)
     np.testing.assert_allclose(codes[:1], alone, atol=1e-4)
@@ -150,6 +152,19 @@ def test_the_proxy_learns_to_tell_narrow_from_wide():
     assert divergence < 0.1
     assert mixture.sigma[0] == pytest.approx(0.1, rel=0.3)
     assert mixture.share[0] > 0.9
+
+
+@pytest.mark.slow
+def test_an_evaluation_network_may_be_kept(tmp_path, positive):
+    """Of given networks, the others alone are trained: for a layering network on more BRDFs."""
+    arch = PaperArchitecture(steps=2, pairs=16)
+    given = networks.PaperNetworks(arch, positive, {})
+    preset = PaperPreset(TINY, arch, evaluation=given.fingerprint)
+    assert preset.data.pairs == networks.PAIRS
+    found = train(preset, run=tmp_path, evaluation=given)
+    assert found.header["preset"]["evaluation"] == given.fingerprint
+    for name, value in positive.items():
+        assert np.array_equal(value, found.params[name]) == name.startswith("evaluation."), name
 
 
 @pytest.mark.slow
