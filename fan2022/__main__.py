@@ -42,7 +42,7 @@ class Train(Training):
 
         kept = PaperNetworks.read(self.evaluation) if self.evaluation else None
         arch = PaperArchitecture(pairs=self.projection_pairs)
-        preset = PaperPreset(self.scale, arch, evaluation=kept and kept.fingerprint)
+        preset = PaperPreset(self.scale, arch, evaluation=kept.fingerprint if kept else None)
         return train(preset, evaluation=kept, **options)
 
 
