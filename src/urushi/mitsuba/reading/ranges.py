@@ -78,11 +78,14 @@ def range_of(
         return whole
     only = varying[0]
     bitmap = only.class_name().startswith("BitmapTexture")
+    chosen: Sequence[int] = ()
     if bitmap and plain and only is textures[0] and not mi.is_spectral:
-        data = mi.traverse(only)["data"].numpy()
-        if data.dtype.kind == "f":  # whole numbers are other values, with the gamma of colours
-            return float(data.min()), float(data.max())
-    places = [texel_centres(x) for x in varying]
+        # Values rise with the stored numbers, which may be whole and have the gamma of colours.
+        texels = mi.traverse(only)["data"].numpy()
+        texels = texels.reshape(-1, texels.shape[-1])
+        if texels.shape[1] == 1 or len(read(spectrum.points(spectrum.MIDDLE), True)) > 1:
+            chosen = [*texels.argmin(axis=0).tolist(), *texels.argmax(axis=0).tolist()]
+    places = [texel_centres(x, chosen) for x in varying]
     if len(places) > 1:  # a function of several textures may be extreme between their texels
         places.append(np.random.default_rng(0).random((POINTS, 2)))
     for uv in places:
@@ -94,12 +97,12 @@ def range_of(
     return float(low), float(high)
 
 
-def texel_centres(texture: "mi.Texture") -> np.ndarray:
-    """The uv (M, 2) of the centres of a texture's texels, or of a grid."""
+def texel_centres(texture: "mi.Texture", chosen: Sequence[int] = ()) -> np.ndarray:
+    """The uv (M, 2) of the centres of a texture's texels, or of a grid; chosen: of some."""
     parameters, (width, height) = mi.traverse(texture), texture.resolution()
     if width * height <= 1:
         width = height = SIDE
-    index = np.arange(width * height)
+    index = np.array(chosen) if len(chosen) else np.arange(width * height)
     x = np.stack([index % width + 0.5, index // width + 0.5], axis=-1) / (width, height)
     if "to_uv" not in parameters:
         return x
