@@ -7,6 +7,7 @@ A material whose parameters are not known has the axes v and u, and its nodes ar
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from urushi.nets import transmittance
 from urushi.nets.weights import Model
 from urushi.textures.axes import LINEAR, Axis, Changes, nearest, simplex
 from urushi.textures.interpolation import interpolant
+from urushi.textures.own_functions import extended
 from urushi.textures.point_codes import FAINT, SPARSE, PointCodes, Rows, slope_weights
 from urushi.textures.store import TexelGrid
 
@@ -37,19 +39,24 @@ DIFFERENCE = 0.04
 
 
 class Baked(NamedTuple):
-    """Codes of a material at the nodes of its axes; C is one if all channels are alike."""
+    """Codes of a material at the nodes of its axes; C is one if all channels are alike.
+
+    Many numbers are functions, which compute them from few.
+    """
 
     model: Model
-    extended: Model  # with functions of the material, in which codes are
+    functions: np.ndarray  # of the material, see `own_functions`
     axes: tuple[Axis, ...]
     shape: tuple[int, ...]  # number of nodes along each axis
+    channels: int  # C, number of different channels at the same place on the axes
     lobes: np.ndarray  # float32 (C, N, M) of the codes, the last axis the fastest; C maybe one
-    rests: np.ndarray  # float32 (C, N, K) the other numbers
+    rests: Callable[[], np.ndarray]  # float32 (C, N, K) the other numbers
     faint: float = 0.0  # [1/sr] by which g of the rests is too large
     grid: TexelGrid | None = None  # of texels, if these are the nodes
     constants: tuple[str, ...] = ()  # names of the constants of which `slopes` are known, too
-    #: Of the rests by the values of axes and constants, float32 (C, N, d + constants, K).
-    slopes: Callable[[], np.ndarray] | None = None
+    #: From numbers (k,) of axes and then constants to the slopes of the rests by their values,
+    #: float32 (C, N, k, K).
+    slopes: Callable[[Sequence[int]], np.ndarray] | None = None
 
     @classmethod
     def of_texels(cls, model: Model, codes: np.ndarray, grid: TexelGrid) -> "Baked":
@@ -57,12 +64,13 @@ class Baked(NamedTuple):
         codes = np.moveaxis(codes[:, :1] if (codes == codes[:, :1]).all() else codes, 1, 0)
         lobes, rests = np.split(codes, [model.arch.lobe], axis=-1)
         axes = tuple(Axis(name, LINEAR, 0.0, 1.0) for name in ("v", "u"))
-        return cls(model, model, axes, (grid.height, grid.width), lobes, rests, grid=grid)
+        functions, shape = np.empty((0, 0), np.float32), (grid.height, grid.width)
+        return cls(model, functions, axes, shape, len(rests), lobes, lambda: rests, grid=grid)
 
     @property
-    def channels(self) -> int:
-        """Number of different channels at the same place on the axes."""
-        return len(self.rests)
+    def extended(self) -> Model:
+        """The model with the functions of the material, in which the codes are."""
+        return extended(self.model, self.functions)
 
     def corners(
         self, coordinates: Sequence, index: Callable[[Any], Any], xp: Namespace
@@ -91,7 +99,7 @@ def bake(
         constants: changes of each constant whose slopes are wanted, too.
     """
     own, found = tuple(axes), PointCodes(model, axes, rows, constants)
-    extended, norm = found.extended, found.extended.networks.basis.norm
+    norm = extended(model, found.functions).networks.basis.norm
 
     def limited(
         x: np.ndarray,
@@ -110,7 +118,8 @@ def bake(
         directions = albedo_rule(model.widths).directions
         # No light is added by what `FAINT` adds, of at most this albedo.
         faint = np.pi * FAINT * transmittance.of_lobe(tops[:, None], directions)
-        changes = limit(extended, codes, 1 - MARGIN + faint) - codes
+        own_model = extended(model, found.functions)
+        changes = limit(own_model, codes, 1 - MARGIN + faint) - codes
         return rests + changes[..., tops.shape[-1] :]
 
     # A fit that is too bright at grazing angles would be scaled down at all others as well.
@@ -121,43 +130,44 @@ def bake(
         """Rests (C, k, K) at coordinates (k, d)."""
         return limited(x, np.moveaxis(smooth(x), 1, 0), limit_albedo)
 
-    shape = node_counts(extended, rests_at, len(own))
+    shape = node_counts(norm, rests_at, len(own))
     nodes = np.array([*np.ndindex(*shape)], float) / (np.array(shape) - 1.0)
 
-    def slopes() -> np.ndarray:
-        parts = []
-        for k, axis in enumerate(own):
-            beside = np.repeat(nodes[:, None], 3, axis=1)
-            middle = np.clip(nodes[:, k], DIFFERENCE, 1 - DIFFERENCE)
-            beside[..., k] = middle[:, None] + np.array([-1, 0, 1]) * DIFFERENCE
-            weights = slope_weights(axis.values(beside[..., k]), axis.values(nodes[:, k]))
-            rests = rests_at(beside.reshape(-1, len(own)))
-            rests = rests.reshape(len(rests), *weights.shape, -1)
-            parts.append(np.einsum("kn,cknj->ckj", weights, rests))
-        for slope in found.slopes:
-            smooth_slope = interpolant(found.x[::SPARSE], np.moveaxis(slope, 1, 0), norm)
-            parts.append(np.moveaxis(smooth_slope(nodes), 1, 0))
-        return np.stack(parts, axis=2).astype(np.float32)
+    def slope(k: int) -> np.ndarray:
+        """Slopes (C, N, K) by an axis or a constant."""
+        if k >= len(own):
+            values = np.moveaxis(found.slopes[k - len(own)], 1, 0)
+            return np.moveaxis(interpolant(found.x[::SPARSE], values, norm)(nodes), 1, 0)
+        beside = np.repeat(nodes[:, None], 3, axis=1)
+        middle = np.clip(nodes[:, k], DIFFERENCE, 1 - DIFFERENCE)
+        beside[..., k] = middle[:, None] + np.array([-1, 0, 1]) * DIFFERENCE
+        weights = slope_weights(own[k].values(beside[..., k]), own[k].values(nodes[:, k]))
+        rests = rests_at(beside.reshape(-1, len(own)))
+        return np.einsum("kn,cknj->ckj", weights, rests.reshape(len(rests), *weights.shape, -1))
 
-    tops, rests = found.lobes(nodes)[None], rests_at(nodes)
-    names = (*constants,)
-    return Baked(model, extended, own, shape, tops, rests, FAINT, constants=names, slopes=slopes)
+    def slopes(chosen: Sequence[int]) -> np.ndarray:
+        return np.stack([slope(k) for k in chosen], axis=2).astype(np.float32)
+
+    tops, channels = found.lobes(nodes)[None], len(found.rests)
+    rests, names = partial(rests_at, nodes), (*constants,)
+    parts = model, found.functions, own, shape, channels, tops, rests, FAINT
+    return Baked(*parts, constants=names, slopes=slopes)
 
 
 def node_counts(
-    model: Model, rests_at: Callable[[np.ndarray], np.ndarray], dimensions: int
+    norm: np.ndarray, rests_at: Callable[[np.ndarray], np.ndarray], dimensions: int
 ) -> tuple[int, ...]:
     """Numbers of nodes, one of `COUNTS` for each axis, by the curvature of rests along it.
 
-    rests_at: (C, k, K) at coordinates (k, d).
+    norm: (K, K) of the basis. rests_at: (C, k, K) at coordinates (k, d).
     """
     rng, curvatures = np.random.default_rng(0), []
     lines = LINES if dimensions > 1 else 1  # a sole axis is one line
     for axis in range(dimensions):
         x = np.repeat(rng.random((lines, 1, dimensions)), STEPS + 1, axis=1)
         x[..., axis] = np.linspace(0, 1, STEPS + 1)
-        found = rests_at(x.reshape(-1, dimensions)).reshape(-1, lines, STEPS + 1, model.arch.rest)
-        bent = np.diff(found, n=2, axis=2) @ model.networks.basis.norm
+        found = rests_at(x.reshape(-1, dimensions)).reshape(-1, lines, STEPS + 1, len(norm))
+        bent = np.diff(found, n=2, axis=2) @ norm
         curvatures.append(np.sqrt(np.quantile(np.square(bent).sum(axis=-1), 0.9)))
     steps, counts = np.array(curvatures) / 8 * STEPS**2, np.zeros(dimensions, int)
     growing = np.ones(dimensions, bool)

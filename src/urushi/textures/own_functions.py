@@ -25,14 +25,16 @@ ENOUGH = 3e-3
 LEAST = 1e-9
 
 
-def with_own_functions(
+def own_functions(
     model: Model,
     g: np.ndarray,
     passed: np.ndarray,
     rests: np.ndarray,
     tables: Callable[[np.ndarray], np.ndarray],
-) -> Model:
-    """The model with functions of a material; the same model if nothing is lacking.
+) -> np.ndarray:
+    """Functions float32 (N, F) of a material at the nodes of `core.table`; F is 0 if none lack.
+
+    Their numbers have a mean square of one in the tables that they were made of.
 
     Args:
         model: of one width.
@@ -41,7 +43,7 @@ def with_own_functions(
         rests: (M, K) of the codes of g.
         tables: from indices (n,) among the M to g (n, N) [1/sr] at the nodes of `core.table`.
     """
-    own, size, parts = model.networks.basis, model.arch.functions, model.params
+    own = model.networks.basis
     g = np.maximum(g, LEAST)
     light = own.measure * passed * g
     light /= light.sum(axis=1, keepdims=True)
@@ -49,20 +51,28 @@ def with_own_functions(
     lacks = (np.sqrt(light) * lacks).astype(np.float64)
     found, _ = spanning(lacks, ENOUGH, TABLES)
     if not found:
-        return model
+        return np.empty((len(own.rows), 0), np.float32)
     chosen = np.array(found)
     lacking = np.log(np.maximum(tables(chosen), LEAST)) - basis.decode_log(
         rests[chosen, None], own.rows
     )
     squares, axes = np.linalg.eigh(lacks[chosen] @ lacks[chosen].T)
     kept = np.flatnonzero(squares > ENOUGH**2)[-FUNCTIONS:]
-    functions = lacking.T @ axes[:, kept].astype(np.float32)
-    prior = np.pad(own.prior, (0, len(kept)))
-    prior[size:, size:] = np.eye(len(kept)) * len(chosen)
-    params = {
-        **parts,
-        "basis.rows": np.concatenate([own.rows, functions], axis=1),
+    return lacking.T @ (axes[:, kept] / np.sqrt(len(chosen))).astype(np.float32)
+
+
+def extended(model: Model, functions: np.ndarray) -> Model:
+    """The model with the functions of `own_functions` behind those of its basis."""
+    count, params = functions.shape[1], model.params
+    if not count:
+        return model
+    size = model.arch.functions
+    prior = np.pad(params["basis.prior"], (0, count))
+    prior[size:, size:] = np.eye(count)
+    more = {
+        "basis.rows": np.concatenate([params["basis.rows"], functions], axis=1),
         "basis.prior": prior,
-        "proposal.weight": np.pad(parts["proposal.weight"], [(0, len(kept)), (0, 0)]),
+        "proposal.weight": np.pad(params["proposal.weight"], [(0, count), (0, 0)]),
     }
-    return replace(model, arch=replace(model.arch, functions=size + len(kept)), params=params)
+    arch = replace(model.arch, functions=size + count)
+    return replace(model, arch=arch, params={**params, **more})

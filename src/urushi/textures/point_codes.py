@@ -11,7 +11,7 @@ from urushi.nets import transmittance
 from urushi.nets.weights import Model
 from urushi.textures.axes import Axis, Changes
 from urushi.textures.interpolation import points
-from urushi.textures.own_functions import with_own_functions
+from urushi.textures.own_functions import extended, own_functions
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes
 #: much longer.
@@ -60,7 +60,7 @@ class PointCodes:
 
     Attributes:
         x: (k, d) coordinates of the points.
-        extended: the model with functions of the material.
+        functions: of the material, see `own_functions`.
         rests: float32 (C, k, K) of the codes, with `FAINT`.
         slopes: by each constant (C, k', K) of the rests at every `SPARSE` th point.
     """
@@ -80,9 +80,12 @@ class PointCodes:
             ways = np.array(changes)[used, None] * unit
             parts.append(self._transported(self.x[::SPARSE], ways))
         rests = [encoded(model, part) for part in parts]
-        self.extended = self._extended(parts, rests) if model.widths == 1 else model
-        if self.extended is not model:
-            rests = [encoded(self.extended, part) for part in parts]
+        self.functions = np.empty((len(model.networks.basis.rows), 0), np.float32)
+        if model.widths == 1:
+            self.functions = self._functions(parts, rests)
+        if self.functions.size:
+            own = extended(model, self.functions)
+            rests = [encoded(own, part) for part in parts]
         self.rests = rests[0][:, :, 0]
         self.slopes = [
             np.einsum("n,cknj->ckj", *pair) for pair in zip(weights, rests[1:], strict=True)
@@ -110,8 +113,8 @@ class PointCodes:
         own = np.broadcast_to(own, (*shape, own.shape[-1]))
         return Transported(own, f / passed + FAINT, tops, np.broadcast_to(passed, f.shape))
 
-    def _extended(self, parts: Sequence[Transported], rests: Sequence[np.ndarray]) -> Model:
-        """The model with functions of the material; rests: of the parts' codes without them."""
+    def _functions(self, parts: Sequence[Transported], rests: Sequence[np.ndarray]) -> np.ndarray:
+        """The functions of the material; rests: of the parts' codes without them."""
 
         def flat(arrays: Iterable[np.ndarray]) -> np.ndarray:
             return np.concatenate([x.reshape(-1, x.shape[-1]) for x in arrays])
@@ -124,7 +127,7 @@ class PointCodes:
             return self._rows.tables(values[some], channels[some]) + FAINT
 
         g, passed = flat(part.g for part in parts), flat(part.passed for part in parts)
-        return with_own_functions(self._model, g, passed, flat(rests), tables)
+        return own_functions(self._model, g, passed, flat(rests), tables)
 
 
 def encoded(model: Model, part: Transported) -> np.ndarray:

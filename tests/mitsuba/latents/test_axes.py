@@ -274,7 +274,7 @@ def test_kernels_and_numpy_interpolate_alike(rgb, indices):
     uv, (wi, wo) = np.random.default_rng(0).random((8, 2)), networks.pairs()
     found = probing.texel_values(coat, wi, wo, uv, probing.Averaging())
     values = {x.axis.name: spectrum.channels_at(uv, x.read) for x in latents.varying}
-    codes = np.moveaxis(latents.codes(values, 3), 0, 1)[:, :, None]
+    codes = np.moveaxis(latents.codes(values), 0, 1)[:, :, None]
     faint = latents.baked.faint * both_ways(codes[..., : networks.arch.lobe], wi, wo)
     f = networks.f(codes, wi, wo) - faint
     measure = networks.basis.measure

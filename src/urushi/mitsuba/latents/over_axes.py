@@ -7,7 +7,8 @@ the nodes are texels, it takes the code of one (`texel_axes`). Codes are stored 
 along its axis.
 """
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar
 
@@ -20,10 +21,11 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.codes import BasisDecoder, BasisTable, EvaluatedCodes, Vertex
 from urushi.mitsuba.latents.lobe import kind_of
 from urushi.mitsuba.latents.proposal import CodeProposals
-from urushi.mitsuba.recording import only_where, owned
+from urushi.mitsuba.recording import only_where
 from urushi.mitsuba.tables import Numbers
 from urushi.nets import proposal
-from urushi.textures.axes import LINEAR, Axis, Varying, nearest, simplex, whole_numbers
+from urushi.nets.weights import Model
+from urushi.textures.axes import LINEAR, Axis, Varying, nearest, whole_numbers
 from urushi.textures.baking import Baked
 from urushi.textures.point_codes import FAINT
 from urushi.textures.principal import projection_of
@@ -48,32 +50,31 @@ class AxisLatents(EvaluatedCodes):
 
     material = None
 
-    UNRECORDED: ClassVar = ("baked", "varying", "_changes")
+    UNRECORDED: ClassVar = ("baked", "varying")
 
     def __init__(self, baked: Baked, varying: Sequence[Varying]):
         """varying: the parameters along the axes, and then constants that carry gradients."""
         self.baked, self.model, self.varying = baked, baked.model, list(varying)
-        self.differentiable = any(x.differentiable for x in varying)
+        #: Numbers of the parameters that carry gradients.
+        self._sloped = [k for k, x in enumerate(varying) if x.differentiable and baked.slopes]
         self._places = LOBE[baked.model.widths]
         #: Channels of a vertex; one if all are alike.
         own = any(axis.own for axis in baked.axes)
         self._evaluated_channels = dr.size_v(mi.Spectrum) if own else baked.channels
         self.channels = max(spectrum.channel_count(), baked.channels)
-        self._changes = np.zeros((*baked.rests.shape[:2], 0, 0))
-        if self.differentiable and baked.slopes is not None:
-            self._changes = baked.slopes()
         self._store()
         # Numbers in memory, so that all materials of the same axes share compiled code
         self._ranges = [[mi.Float(x) for x in axis.numbers] for axis in baked.axes]
         self._axes = [(axis.name, axis.scale, axis.own) for axis in baked.axes], baked.shape
-        self._all = [x.axis.name for x in varying]
         self._one = mi.Float(1)  # an operation with it is kept
         dr.make_opaque(self._ranges, self._fixed, self._one)
 
     def _store(self) -> None:
-        """Store the numbers at the nodes in Dr.Jit's memory."""
-        model, tops, rests = self.baked.extended, self.baked.lobes, self.baked.rests
-        changes = self._changes
+        """Store the numbers at the nodes, and their slopes, in Dr.Jit's memory."""
+        model, tops, rests = self.baked.extended, self.baked.lobes, self.baked.rests()
+        changes = np.zeros((*rests.shape[:2], 0, rests.shape[-1]), np.float32)
+        if self._sloped and self.baked.slopes is not None:
+            changes = self.baked.slopes(self._sloped)
         terms = proposal.code_terms(model.params, rests.mean(axis=0))
         if model.widths == 2:
             terms = np.append(terms, rests[..., -1:].mean(axis=0), axis=1)
@@ -83,7 +84,6 @@ class AxisLatents(EvaluatedCodes):
         every = np.concatenate([rests, *reached], axis=1)
         functions, projection = projection_of(model, np.tile(tops, (1, 1 + len(reached), 1)), every)
         rests = projection.numbers(rests)
-        changes = projection.changes(changes) if changes.size else changes
         known = {i for axis in self.baked.axes for i in self._places.get(axis.name, ())}
         differ = np.ptp(tops, axis=(0, 1)) > 0
         #: Places of the numbers of lobes that nodes hold.
@@ -91,7 +91,8 @@ class AxisLatents(EvaluatedCodes):
         self._fixed = [mi.Float(float(x)) for x in tops[0, 0]]
         own = np.broadcast_to(tops[..., self._stored], (*rests.shape[:2], len(self._stored)))
         numbers = np.concatenate([own, rests], axis=-1)
-        self._numbers = Numbers(numbers.reshape(-1, numbers.shape[-1]))
+        numbers = numbers.reshape(-1, numbers.shape[-1])
+        self._numbers = Numbers(numbers)
         self._terms = Numbers(terms)
         self._kind = kind_of(tops)
         table = BasisTable(functions, [0, *projection.factors.tolist()])
@@ -101,7 +102,9 @@ class AxisLatents(EvaluatedCodes):
             model, self._kind, table, self.baked.faint, one_stretch=self._one_stretch
         )
         self._sampler = CodeProposals(model, self._kind)
-        self._slopes = [owned(mi.Float, changes)] if changes.size else []
+        changes = projection.changes(changes)
+        #: Of each parameter in turn.
+        self._slopes = Numbers(changes.reshape(len(numbers), -1)) if self._sloped else None
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction, without gradients: it may be used several times."""
@@ -115,7 +118,8 @@ class AxisLatents(EvaluatedCodes):
 
     def _attached(self, vertex: Vertex, si, active) -> Vertex:
         """The vertex with the gradients of the parameters."""
-        values = [part.read(si, active) for part in self.varying] if self._slopes else []
+        sloped = [self.varying[k] for k in self._sloped]
+        values = [part.read(si, active) for part in sloped]
         if not dr.grad_enabled(values):
             return vertex
         # Outside of the call: inside, Dr.Jit 1.5 counts gradients of single numbers several times.
@@ -123,9 +127,9 @@ class AxisLatents(EvaluatedCodes):
         terms, two, turned = [], self._kind.widths == 2, mi.Float(0)
         for c, channel in enumerate(vertex.decoder_terms):
             places, moved = self._kind.numbers(c), list(channel)
-            for name, own, slope in zip(self._all, changes, vertex.slopes[c], strict=True):
+            for part, own, slope in zip(sloped, changes, vertex.slopes[c], strict=True):
                 change = _of(own, c)
-                for place in self._places.get(name, ()):
+                for place in self._places.get(part.axis.name, ()):
                     if place in places:
                         at = places.index(place)
                         moved[at] = dr.fma(self._one, change, moved[at])
@@ -147,7 +151,7 @@ class AxisLatents(EvaluatedCodes):
         coordinates, baked = [], self.baked
         for axis, part, numbers in zip(baked.axes, values, self._ranges, strict=True):
             coordinates.append([axis.coordinate(x, DRJIT, numbers) for x in part])
-        codes, slopes, nodes = [], [], int(np.prod(baked.shape))
+        codes, slopes, nodes = [], [], math.prod(baked.shape)
         for c in range(self._evaluated_channels):
             first = min(c, baked.channels - 1) * nodes
             corners = [
@@ -159,7 +163,10 @@ class AxisLatents(EvaluatedCodes):
             code = self._numbers.at(corners)
             lobe = self._lobe(values, code[: len(self._stored)])
             codes.append([*lobe, *code[len(self._stored) :]])
-            slopes.append(self._slopes_at(corners))
+            if self._slopes is not None:
+                every = self._slopes.at(corners)
+                size = len(every) // len(self._sloped)
+                slopes.append([every[i : i + size] for i in range(0, len(every), size)])
         if self._kind.widths == 2 and self._one_stretch:
             codes[0][-1] = sum(code[-1] for code in codes) * (1 / len(codes))
         mean = self._kind.mean([code[: len(self._fixed)] for code in codes])
@@ -180,60 +187,58 @@ class AxisLatents(EvaluatedCodes):
                 lobe[place] = dr.clip(value, least, most)
         return lobe
 
-    def _slopes_at(self, corners: Sequence[tuple[Any, Any]]) -> list[list]:
-        """The slopes of the numbers of the rest by each parameter."""
-        if not self._slopes:
-            return []
-        count = len(self._slopes[0]) // (self._changes.shape[0] * self._changes.shape[1])
-        total = [mi.Float(0)] * count
-        for node, weight in corners:
-            dr.detail.new_scope(dr.backend_v(mi.Float))
-            rows = (dr.gather(mi.Float, self._slopes[0], node * count + i) for i in range(count))
-            total = [dr.fma(x, weight, y) for x, y in zip(rows, total, strict=True)]
-        size = count // len(self._all)
-        return [total[i : i + size] for i in range(0, count, size)]
+    def codes(self, values: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Codes (C, k, L), whose g is too large by `Baked.faint`.
 
-    def codes(self, values: Mapping[str, np.ndarray], channels: int | None = None) -> np.ndarray:
-        """Codes (channels, k, L), whose g is too large by `Baked.faint`.
-
-        Args:
-            values: by the parameters' names, (C, k), one row for each channel or one for all.
-            channels: their number; None: as of `Baked`.
+        values: by the parameters' names, (C, k), one row for each channel or one for all.
         """
-        return np.stack(
-            [
-                self._codes({name: _of(x, c) for name, x in values.items()}, c)
-                for c in range(channels or self.baked.channels)
-            ]
-        )
-
-    def _codes(self, values: Mapping[str, np.ndarray], channel: int) -> np.ndarray:
-        """Codes (k, L) of a channel at values (k,)."""
-        baked, count = self.baked, len(next(iter(values.values())))
-        places = [axis.coordinate(values[axis.name], NUMPY) for axis in baked.axes]
-        nodes = [
-            (n, np.asarray(w)[..., None]) for n, w in baked.corners(places, whole_numbers, NUMPY)
-        ]
-        at_nodes = np.concatenate([_of(baked.lobes, channel), _of(baked.rests, channel)], axis=-1)
-        found = sum(weight * at_nodes[node] for node, weight in nodes)
-        codes = np.broadcast_to(found, (count, found.shape[-1])).astype(np.float32)
-        for axis in baked.axes:
-            for place in self._places.get(axis.name, ()):
-                codes[:, place] = np.clip(values[axis.name], axis.least, axis.most)
-        slopes = _of(self._changes, channel)
-        for k, name in enumerate(baked.constants, len(baked.axes)):
-            change = values.get(name, np.zeros(count))
-            for node, weight in simplex(baked.shape, places, whole_numbers, NUMPY):
-                codes[:, len(self._fixed) :] += slopes[node, k] * (weight * change)[:, None]
-            for place in self._places.get(name, ()):
-                codes[:, place] += change
-        return codes
+        return self._codes(values, self._at_nodes(), self.baked.channels)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Codes (M, C, L) at points uv (M, 2), seen from above."""
-        values = {x.axis.name: spectrum.channels_at(uv, x.read) for x in self.varying}
-        codes = np.moveaxis(self.codes(values, self.channels), 0, 1)
-        return without_faint(self.baked, codes) if self.baked.faint else codes
+        return next(self.at_all([uv]))
+
+    def at_all(self, points: Iterable[np.ndarray]) -> Iterator[np.ndarray]:
+        """The codes of `at` for each array of points."""
+        nodes, own = self._at_nodes(), self.baked.extended
+        for uv in points:
+            values = {x.axis.name: spectrum.channels_at(uv, x.read) for x in self.varying}
+            codes = np.moveaxis(self._codes(values, nodes, self.channels), 0, 1)
+            yield without_faint(self.model, own, codes) if self.baked.faint else codes
+
+    def _at_nodes(self) -> np.ndarray:
+        """Codes at the nodes, and then their slopes by constants: (C, N, 1 + constants, L)."""
+        baked = self.baked
+        rests = baked.rests()[:, :, None]
+        if baked.constants and baked.slopes is not None:
+            slopes = baked.slopes(range(len(baked.axes), len(baked.axes) + len(baked.constants)))
+            rests = np.concatenate([rests, slopes], axis=2)
+        tops = np.zeros((*rests.shape[:3], baked.lobes.shape[-1]), np.float32)
+        tops[:, :, 0] = baked.lobes
+        return np.concatenate([tops, rests], axis=-1)
+
+    def _codes(
+        self, values: Mapping[str, np.ndarray], at_nodes: np.ndarray, channels: int
+    ) -> np.ndarray:
+        """Codes (channels, k, L) at values, as of `codes`, by those of `_at_nodes`."""
+        baked, count = self.baked, np.shape(next(iter(values.values())))[-1]
+        found = np.zeros((channels, count, at_nodes.shape[-1]), np.float32)
+        for c, codes in enumerate(found):
+            own = {name: _of(x, c) for name, x in values.items()}
+            places = [axis.coordinate(own[axis.name], NUMPY) for axis in baked.axes]
+            changes = {name: own.get(name, np.zeros(count)) for name in baked.constants}
+            factors = np.stack([np.ones(count), *changes.values()], axis=-1)
+            for node, weight in baked.corners(places, whole_numbers, NUMPY):
+                shares = factors * np.broadcast_to(weight, count)[:, None]
+                rows = _of(at_nodes, c)[np.broadcast_to(node, count)]
+                codes += np.einsum("kj,kjl->kl", shares, rows)
+            for axis in baked.axes:
+                for place in self._places.get(axis.name, ()):
+                    codes[:, place] = np.clip(own[axis.name], axis.least, axis.most)
+            for name, change in changes.items():
+                for place in self._places.get(name, ()):
+                    codes[:, place] += change
+        return found
 
     def __str__(self) -> str:
         sides = " x ".join(map(str, self.baked.shape))
@@ -248,11 +253,11 @@ def _of(parts: Any, channel: int) -> Any:
     return parts[min(channel, len(parts) - 1)]
 
 
-def without_faint(baked: Baked, codes: np.ndarray) -> np.ndarray:
-    """Codes (..., L) of `Baked.model` whose g has `FAINT` less than that of codes along axes."""
-    flat, own, found = codes.reshape(-1, codes.shape[-1]), baked.extended.networks, baked.model
+def without_faint(model: Model, extended: Model, codes: np.ndarray) -> np.ndarray:
+    """Codes (..., L) whose g has `FAINT` less than that of codes of the extended model."""
+    flat, own = codes.reshape(-1, codes.shape[-1]), extended.networks
     rests = np.maximum(own.g_at_all(flat, own.basis.probe_rows) - FAINT, 0)
-    result = found.networks.encode_rest(rests[:, None], flat[:, None, : found.arch.lobe])
+    result = model.networks.encode_rest(rests[:, None], flat[:, None, : model.arch.lobe])
     return result.reshape(*codes.shape[:-1], -1)
 
 

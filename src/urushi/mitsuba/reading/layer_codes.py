@@ -118,7 +118,9 @@ class Baker:
             if varying and not (texels or layer.coat.coloured):
                 found = self._over_parameters(layer, Described.of(layer, varying, nested))
             attached = any(x.differentiable for x in varying) or has_gradients(layer.nested)
-            held = self.absorbs or (isinstance(found, AxisLatents) and found.differentiable)
+            held = self.absorbs or (
+                isinstance(found, AxisLatents) and any(x.differentiable for x in found.varying)
+            )
             if attached and not held:
                 raise ParameterError(
                     f"{layer.coat.where}: a parameter carries gradients, which codes over the "
@@ -151,9 +153,8 @@ class Baker:
             ]
             # The wavelength may follow, whose place on its axis is as before.
             along += latents.varying[len(varying) : len(latents.baked.axes)]
-            now, before = [*along, *constants], latents.varying
-            gradients = any(x.differentiable for x in now) == latents.differentiable
-            if not gradients or [x.texture for x in now] != [x.texture for x in before]:
+            now = [*along, *constants]
+            if [*map(_gradient_of, now)] != [*map(_gradient_of, latents.varying)]:
                 latents = AxisLatents(latents.baked, now)
                 self._last = as_baked, latents
             return latents
@@ -202,6 +203,11 @@ class Baker:
         return AxisLatents(Baked.of_texels(self.model, codes, grid), texel_axes(grid))
 
 
+def _gradient_of(parameter: Varying) -> tuple["mi.Texture | None", bool]:
+    """The texture of a bottom's parameter, and whether the parameter carries a gradient."""
+    return parameter.texture, parameter.differentiable
+
+
 def grid_of(
     parts: Sequence["mi.Object"], resolution: int, least: TexelGrid = ONE_TEXEL
 ) -> TexelGrid:
@@ -230,7 +236,7 @@ def at_texels(latents: AxisLatents, resolution: int, where: str) -> tuple[Textur
         _check_over_uv(parts, where, "a file has texels over uv")
         grid = grid_of(parts, resolution)
     blocks = (grid.uv(i, min(i + BLOCK, grid.texels)) for i in range(0, grid.texels, BLOCK))
-    return Texture.of(latents.model, np.concatenate([*map(latents.at, blocks)])), grid
+    return Texture.of(latents.model, np.concatenate([*latents.at_all(blocks)])), grid
 
 
 def _check_over_uv(parts: Sequence["mi.Object"], where: str, reason: str) -> None:

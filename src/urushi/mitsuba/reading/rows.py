@@ -78,7 +78,7 @@ class NestedRows:
         codes, baked = self._latents.codes(own), self._latents.baked
         model = baked.extended
         if model.widths == 2:
-            return different(model, without_faint(baked, codes))
+            return different(model, without_faint(baked.model, model, codes))
         flat, shape = codes.reshape(-1, codes.shape[-1]), codes.shape[:2]
         logs = model.networks.table(flat)
         assert logs is not None  # g is at least `FAINT`
