@@ -236,7 +236,12 @@ def at_texels(latents: AxisLatents, resolution: int, where: str) -> tuple[Textur
         _check_over_uv(parts, where, "a file has texels over uv")
         grid = grid_of(parts, resolution)
     blocks = (grid.uv(i, min(i + BLOCK, grid.texels)) for i in range(0, grid.texels, BLOCK))
-    return Texture.of(latents.model, np.concatenate([*latents.at_all(blocks)])), grid
+    texels = []
+    with _progress(grid, where) as bar:
+        for codes in latents.at_all(blocks):
+            texels.append(codes)
+            bar.update(len(codes))
+    return Texture.of(latents.model, np.concatenate(texels)), grid
 
 
 def _check_over_uv(parts: Sequence["mi.Object"], where: str, reason: str) -> None:
