@@ -93,4 +93,4 @@ class PaperPreset:
     @property
     def proxy_incoming(self) -> int:
         """Incoming directions over which the histograms of the proxy are averaged."""
-        return max(INCOMING, round(1_600 * self.scale))
+        return max(INCOMING, round(1_600 * self.scale**1.5))
