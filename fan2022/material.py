@@ -130,10 +130,10 @@ def encode(source: Any, networks: Networks) -> Material:
     networks = _read(networks)
     if isinstance(source, Material) and source.networks.fingerprint == networks.fingerprint:
         return source
-    found = evaluate_source(source, *projection_pairs())
-    for sentence in found.deviations.warnings():
+    values, deviations = evaluate_source(source, *projection_pairs())
+    for sentence in deviations.warnings():
         warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=2)
-    return Material(networks.encode(found.values.T), networks)
+    return Material(networks.encode(values.T), networks)
 
 
 def layer(
