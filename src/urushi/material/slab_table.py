@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.core.namespace import NUMPY, Components, stacked_components
+from urushi.core.namespace import NUMPY, Components, stacked
 from urushi.core.quadrature import half_vector_rule
 from urushi.core.table import (
     MAX_LOG,
@@ -241,8 +241,8 @@ def _light(
     """
     angles = _angles(own)
     near = Components(np.sin(angles), 0 * angles, np.cos(angles))
-    far, weights = half_vector_rule(stacked_components(seen(near), np), azimuths=AROUND)
-    first = stacked_components(near, np)[:, None]
+    far, weights = half_vector_rule(stacked(seen(near)), azimuths=AROUND)
+    first = stacked(near)[:, None]
     pair = [Components(*w.reshape(-1, 3).T) for w in np.broadcast_arrays(first, far)]
     weights = weights * far[..., 2] * known(*pair).reshape(weights.shape)
     return Light(angles, own.at(angles)[part], weights, list(places(*pair)))

@@ -4,13 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from urushi.checks import Widths
-from urushi.core.namespace import Namespace, arrays
-
-
-def stacked(columns: Sequence[Any]) -> Any:
-    """Columns (...), which broadcast against each other, as an array (..., C)."""
-    xp = columns[0].__array_namespace__()
-    return xp.stack(xp.broadcast_arrays(*columns), axis=-1)
+from urushi.core.namespace import Namespace, arrays, stacked
 
 
 class Normalisation:

@@ -23,8 +23,8 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
-from urushi.core.namespace import Components, Namespace, arrays, components
-from urushi.nets.features import Normalisation, stacked
+from urushi.core.namespace import Components, Namespace, arrays, components, stacked
+from urushi.nets.features import Normalisation
 
 #: The numbers: the GGX width, the factors of the Fresnel terms, and the complex index.
 LOBE_NUMBERS = ("alpha", "normal", "grazing", "exact", "eta", "k")
