@@ -10,6 +10,7 @@ the angles of both directions, by which f stays reciprocal, so that all light of
 share that adding finds on a fine grid (`urushi.material.slab_shares`).
 """
 
+import functools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -69,11 +70,6 @@ class Reflected(NamedTuple):
 
     table: np.ndarray  # float16 (*`SHAPE`, C) logarithms of f
     knots: Knots  # of the table
-
-    def below(self, lobe: np.ndarray | None = None) -> Reflector:
-        """The BRDFs below a medium, with lobes (C, N) beside the table, which has their edges."""
-        reflector = Reflector.of_logs(self.table, lobe, knots=self.knots)
-        return reflector._replace(darkened=False)
 
 
 class SlabTables(NamedTuple):
@@ -215,15 +211,6 @@ def _with_light(logs: np.ndarray, angles: list[np.ndarray], sides: list[Light]) 
     return result
 
 
-def _angles(own: Shares) -> np.ndarray:
-    """Ascending angles (M,) at which light is known, beside those of total reflection."""
-    edges = np.array(own.edges)[:, None]
-    near = (np.abs(ANGLES - edges) < 2 * BESIDE_EDGES[0]).any(axis=0)
-    beside = np.concatenate([edges - BESIDE_EDGES, edges + BESIDE_EDGES], axis=1).ravel()
-    angles = np.sort(np.concatenate([ANGLES[~near], beside]))
-    return angles[(angles >= 0) & (angles <= ANGLES[-1])]
-
-
 def _light(
     own: Shares,
     part: int,
@@ -239,7 +226,11 @@ def _light(
         known: the factor of f that the table does not hold, of pairs of directions.
         places: coordinates of pairs in the table.
     """
-    angles = _angles(own)
+    edges = np.array(own.edges)[:, None]
+    close = (np.abs(ANGLES - edges) < 2 * BESIDE_EDGES[0]).any(axis=0)
+    beside = np.concatenate([edges - BESIDE_EDGES, edges + BESIDE_EDGES], axis=1).ravel()
+    angles = np.sort(np.concatenate([ANGLES[~close], beside]))
+    angles = angles[(angles >= 0) & (angles <= ANGLES[-1])]
     near = Components(np.sin(angles), 0 * angles, np.cos(angles))
     far, weights = half_vector_rule(stacked(seen(near)), azimuths=AROUND)
     first = stacked(near)[:, None]
@@ -270,49 +261,41 @@ def _reflected(layers: Layers, every: list[Shares]) -> tuple[Reflected, list[OnG
 
     every: shares of what lies from each interface on, from the first to the last.
     """
-    channels, insides = every[0].passed.shape[-1], list[OnGrid]()
-    below: Reflected | None = None
-    lobe: np.ndarray | None = None
-    for level in reversed(range(len(layers.interfaces))):
-        interface = layers.interfaces[level]
-        alpha, eta = np.broadcast_to(interface, (channels, 2)).T
-        logs = np.full((*SHAPE, channels), MIN_LOG, np.float16)
-        knots = knots_of(np.sin(layers.edges(level)).tolist())
-        if below is not None:
-            edges, reflector = layers.edges(level + 1), below.below(lobe)
-            if insides:
-                inside = OnGrid.of(reflector, edges)
-            else:
-                surface = layers.interfaces[-1, 0], 1 / layers.interfaces[-1, 1], edges
-                modes = np.stack([adding.interface_modes(*surface)] * channels)
-                inside = OnGrid(edges, modes, adding.mirror(*surface).repeat(channels, axis=1))
-            own = Substrate.of(reflector, inside)
-            if eta[0] == 1:  # the lobe below is seen beside the table
-                own = replace(own, reflector=below.below())
-            inner = Layers(layers.interfaces[level:], layers.media[level:]).inner_lobes()
-            a, b = (Components(*w.T) for w in node_pairs(knots))
-            factor = mirrored_inside(a, b, inner, NUMPY).astype(np.float32).reshape(SHAPE)
-            insides.insert(0, inside)
-            media = layers.media[level].reshape(-1, channels)
-            columns = np.arange(channels), np.stack([alpha, eta]), media, factor.reshape(-1, 1)
-            rest = rest_at_nodes(own, *columns, SLAB_POINTS, knots)
-            logs = np.log(np.maximum(rest.reshape(logs.shape), 1e-30))
-            angles = [np.arccos(w[:, 2]) for w in node_pairs(knots)]
-            logs = _with_light(logs, angles, [_reflected_light(every[level], knots, inner)])
-            if level:
-                logs = logs + np.log(factor)[..., None]
-            logs = logs.clip(MIN_LOG, MAX_LOG).astype(np.float16)
-        below, lobe = Reflected(logs, knots), lobes.of_coat(alpha, eta)
-    assert below is not None  # for the type checker
-    return below, insides
+    channels, insides, last = every[0].passed.shape[-1], list[OnGrid](), len(layers.media)
+    interfaces = np.repeat(layers.interfaces[..., None], channels, axis=-1)
+    logs = np.full((*SHAPE, channels), MIN_LOG, np.float16)
+    knots = [knots_of(np.sin(layers.edges(level)).tolist()) for level in range(last + 1)]
+    for level in reversed(range(last)):
+        edges, lobe = layers.edges(level + 1), lobes.of_coat(*interfaces[level + 1])
+        reflector = Reflector.of_logs(logs, lobe, knots=knots[level + 1])._replace(darkened=False)
+        if insides:
+            inside = OnGrid.of(reflector, edges)
+        else:
+            surface = layers.interfaces[-1, 0], 1 / layers.interfaces[-1, 1], edges
+            modes = np.stack([adding.interface_modes(*surface)] * channels)
+            inside = OnGrid(edges, modes, adding.mirror(*surface).repeat(channels, axis=1))
+        insides.insert(0, inside)
+        own, known = Substrate.of(reflector, inside), knots[level]
+        if layers.interfaces[level, 1] == 1:  # the lobe below is seen beside the table
+            own = replace(own, reflector=reflector._replace(lobe=reflector.lobe[:, :0]))
+        inner = Layers(layers.interfaces[level:], layers.media[level:]).inner_lobes()
+        mirrored = functools.partial(mirrored_inside, lobes=inner, xp=NUMPY)
+        pairs = node_pairs(known)
+        factor = mirrored(*(Components(*w.T) for w in pairs)).astype(np.float32).reshape(SHAPE)
+        media, columns = layers.media[level].reshape(-1, channels), factor.reshape(-1, 1)
+        rest = rest_at_nodes(
+            own, np.arange(channels), interfaces[level], media, columns, SLAB_POINTS, known
+        )
+        places = functools.partial(_places, knots=known)
+        side = _light(every[level], 0, lambda w: w, mirrored, places)
+        logs = np.log(np.maximum(rest.reshape(logs.shape), 1e-30))
+        logs = _with_light(logs, [np.arccos(w[:, 2]) for w in pairs], [side])
+        if level:
+            logs = logs + np.log(factor)[..., None]
+        logs = logs.clip(MIN_LOG, MAX_LOG).astype(np.float16)
+    return Reflected(logs, knots[0]), insides
 
 
-def _reflected_light(own: Shares, knots: Knots, inner: InnerLobes) -> Light:
-    """The light of a table of reflection."""
-    return _light(
-        own,
-        0,
-        lambda w: w,
-        lambda a, b: mirrored_inside(a, b, inner, NUMPY),
-        lambda a, b: pair_coordinates(np.stack(a, axis=1), np.stack(b, axis=1), knots),
-    )
+def _places(a: Components, b: Components, knots: Knots) -> tuple[np.ndarray, ...]:
+    """The coordinates of pairs in a table of reflection."""
+    return pair_coordinates(stacked(a), stacked(b), knots)
