@@ -91,10 +91,10 @@ def corners(shape: Sequence[int], *places: np.ndarray) -> list[tuple[np.ndarray,
     return [(first + step, math.prod(sides)) for step, sides in steps]
 
 
-def _cells(shape: Sequence[int], places: Sequence[np.ndarray]) -> tuple[Any, list[np.ndarray]]:
+def _cells(shape: Sequence[int], places: Sequence[np.ndarray]) -> tuple[Any, list[Any]]:
     """The first corners (N,) of the cells of places (N,), and the shares float32 of the places
     between both ends of a cell along each axis."""
-    first, shares = 0, list[np.ndarray]()
+    first, shares = 0, list[Any]()
     for place, count in zip(places, shape, strict=True):
         scaled = np.clip(place, 0, 1) * (count - 1)
         index = np.minimum(scaled.astype(np.intp), count - 2)

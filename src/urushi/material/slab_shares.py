@@ -25,6 +25,9 @@ from urushi.material.crossing import cross, facet_points, in_plane, mirrored
 #: Elevations of the grids, and facets that light of each of them meets.
 ELEVATIONS, FACETS = 64, 256
 
+#: The grid with some edges.
+_grid = functools.partial(adding.grid, elevations=ELEVATIONS, orders=1)
+
 
 class Layers(NamedTuple):
     """A slab of C channels, without interfaces of index 1: they only join the media beside them.
@@ -185,11 +188,6 @@ def _interface(
     weight = turned.masking * fresnel.dielectric(turned.cosine, np.float32(eta), NUMPY)[0]
     reflected = grids[0].received(turned.outwards, weight / FACETS)[0]
     return reflected, grids[1].received(crossing.inside, crossing.weight / FACETS)[0]
-
-
-@functools.lru_cache(maxsize=64)
-def _grid(edges: adding.Edges) -> adding.Grid:
-    return adding.Grid(ELEVATIONS, edges=edges, orders=1)
 
 
 def _medium(layer: Sequence[float], edges: adding.Edges) -> tuple[np.ndarray, np.ndarray]:
