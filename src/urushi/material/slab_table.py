@@ -73,24 +73,16 @@ class Reflected(NamedTuple):
 
 
 class SlabTables(NamedTuple):
-    """A slab of C channels.
+    """A slab of C channels."""
 
-    Attributes:
-        reflected: above the slab and below it, divided by `mirrored_inside`.
-        passed: float16 (*`PASSED_SHAPE`, C) logarithms of f of transmission, divided by the squared
-            index on wo's side and by `grazing_factor` of both directions.
-        indices: of the media above and below, relative to its thinnest medium.
-        faces: alpha and eta of the first interface on each side.
-        depths: (2, C) optical depths of the media on each side of the interfaces.
-        inner: the lobes of `mirrored_inside` on each side.
-    """
-
-    reflected: tuple[Reflected, Reflected]
+    reflected: tuple[Reflected, Reflected]  # above and below it, divided by `mirrored_inside`
+    # float16 (*`PASSED_SHAPE`, C) logarithms of f of transmission, divided by the squared index on
+    # wo's side and by `grazing_factor` of both directions
     passed: np.ndarray
-    indices: Indices
-    faces: Faces
-    depths: np.ndarray
-    inner: tuple[InnerLobes, InnerLobes]
+    indices: Indices  # of the media above and below, relative to its thinnest medium
+    faces: Faces  # alpha and eta of the first interface on each side
+    depths: np.ndarray  # (2, C) optical depths of the media on each side of the interfaces
+    inner: tuple[InnerLobes, InnerLobes]  # the lobes of `mirrored_inside` on each side
 
     @property
     def eta(self) -> float:
@@ -213,7 +205,7 @@ def _with_light(logs: np.ndarray, angles: list[np.ndarray], sides: list[Light]) 
 
 def _light(
     own: Shares,
-    part: int,
+    light: np.ndarray,
     seen: Callable[[Components], Components],
     known: Callable[[Components, Components], np.ndarray],
     places: Callable[[Components, Components], Sequence[np.ndarray]],
@@ -221,7 +213,7 @@ def _light(
     """The light of a table.
 
     Args:
-        own, part: the shares that it should have, of reflected (0) or transmitted light (1).
+        own, light: shares of a slab; those that the table should have, reflected or passed.
         seen: where light of a direction mostly goes, mirrored back.
         known: the factor of f that the table does not hold, of pairs of directions.
         places: coordinates of pairs in the table.
@@ -236,7 +228,8 @@ def _light(
     first = stacked(near)[:, None]
     pair = [Components(*w.reshape(-1, 3).T) for w in np.broadcast_arrays(first, far)]
     weights = weights * far[..., 2] * known(*pair).reshape(weights.shape)
-    return Light(angles, own.at(angles)[part], weights, list(places(*pair)))
+    wanted = interpolated_columns(angles, own.angles, light)
+    return Light(angles, wanted, weights, list(places(*pair)))
 
 
 def _passed_light(own: Shares, indices: Indices, faces: Faces, side: int) -> Light:
@@ -249,7 +242,7 @@ def _passed_light(own: Shares, indices: Indices, faces: Faces, side: int) -> Lig
 
     return _light(
         own,
-        1,
+        own.passed,
         lambda w: slabs.straight(w, ratio, NUMPY),
         lambda a, b: scale * grazing_factor(*sides(a, b), faces, NUMPY),
         lambda a, b: passed_coordinates(*sides(a, b), indices, NUMPY),
@@ -287,7 +280,7 @@ def _reflected(layers: Layers, every: list[Shares]) -> tuple[Reflected, list[OnG
             own, np.arange(channels), interfaces[level], media, columns, SLAB_POINTS, known
         )
         places = functools.partial(_places, knots=known)
-        side = _light(every[level], 0, lambda w: w, mirrored, places)
+        side = _light(every[level], every[level].reflected, lambda w: w, mirrored, places)
         logs = np.log(np.maximum(rest.reshape(logs.shape), 1e-30))
         logs = _with_light(logs, [np.arccos(w[:, 2]) for w in pairs], [side])
         if level:
