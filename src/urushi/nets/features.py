@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from urushi.checks import Widths
 from urushi.core.namespace import Namespace, arrays, stacked
 
@@ -16,7 +18,9 @@ class Normalisation:
 
     def __call__(self, columns: Sequence[Any]) -> Any:
         """Normalised features (..., C) of columns (...), which broadcast against each other."""
-        return stacked(self.each(columns))
+        features = stacked(columns)
+        means, factors = np.array(self.constants, features.real.dtype).T  # the columns' precision
+        return (features - means) * factors
 
     def each(self, columns: Sequence[Any]) -> list[Any]:
         """Columns of any kind, normalised in the same way, as a list."""
