@@ -106,15 +106,6 @@ class Networks(NamedTuple):
     arch: Architecture
     basis: Basis
 
-    @classmethod
-    def of(cls, params: Params, arch: Architecture) -> "Networks":
-        """From checked parameters."""
-        rows, measure, prior = (
-            np.asarray(params[f"basis.{name}"]) for name in ("rows", "measure", "prior")
-        )
-        basis = Basis(rows, arch.factors, measure, prior.astype(np.float64), arch.widths)
-        return cls(params, arch, basis)
-
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (P, 3)."""
         return self.basis.pairs()

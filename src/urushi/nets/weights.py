@@ -13,7 +13,7 @@ import numpy as np
 
 from urushi import files
 from urushi.errors import FileError, ParameterError
-from urushi.nets.basis import grid_of, on_grid
+from urushi.nets.basis import Basis, grid_of, on_grid
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture, Networks
 
@@ -54,7 +54,11 @@ class Model:
     @functools.cached_property
     def networks(self) -> Networks:
         """Codes, layering, evaluation and proposals."""
-        return Networks.of(self.params, self.arch)
+        rows, measure, prior = (
+            self.params[f"basis.{name}"] for name in ("rows", "measure", "prior")
+        )
+        basis = Basis(rows, self.arch.factors, measure, prior.astype(np.float64), self.widths)
+        return Networks(self.params, self.arch, basis)
 
     def __getstate__(self) -> dict[str, Any]:
         """What pickles and copies hold; `networks` follows from it, with functions in memory."""
