@@ -356,26 +356,25 @@ def seen_inside(
     bottom: np.ndarray,
     interface: np.ndarray,
     layers: Iterable[Sequence[float]],
-    edges: Edges | None = None,
+    edges: Edges = (),
 ) -> tuple[np.ndarray, float]:
     """BRDF of a bottom and media below an interface that reflects from below.
 
     Args:
         bottom, interface: modes (H, N, N).
         layers: albedo, sigma_t and g of the media, top to bottom.
-        edges: of the grid; None: it has none, and light that both surfaces mirror is not excepted.
+        edges: of the grid.
 
     Returns:
         Values (N, N, H) [1/sr] of all light except that reflected once, by the bottom or by the
-        media (`reflected_once`); and the optical depth that attenuates light from the bottom. With
-        edges, light that both surfaces mirror, any number of times, is excepted, too
-        (`interreflection`).
+        media (`reflected_once`), and that both surfaces mirror, any number of times
+        (`interreflection`); and the optical depth that attenuates light from the bottom.
     """
     layers = [resolved(*layer) for layer in layers]
-    own = grid(edges or ())
+    own = grid(edges)
     through, _, up, depth = media_transport(bottom, layers, own)
     every = enclosed(up, interface, own.weights)
-    mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom) if edges is not None else 0
+    mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom)
     left = through * np.sqrt(1 / (1 - mirrored * through**2))
     values = own.values_of_modes(every - left[:, None] * bottom * left)
     return values - reflected_once_on_grid(layers, own), depth
