@@ -56,18 +56,18 @@ def examine(path: Path, name: str, source: Any, material: Material) -> dict[str,
     """
     source, rng, widths = _opened(source), np.random.default_rng(1), material.model.widths
     wi, wo = cosine_pairs(rng, E_PAIRS)
-    found = evaluate_source(source, wi, wo, widths=widths)
-    e = error(material.f(wi, wo), found.values, wi, wo)
+    values, deviations = evaluate_source(source, wi, wo, widths=widths)
+    e = error(material.f(wi, wo), values, wi, wo)
     wi, wo = half_angle_pairs(rng, P_PAIRS)
-    truth = evaluate_source(source, wi, wo, widths=widths).values
-    averaged = widths == 1 and (found.deviations.anisotropy or 0.0) > RELATIVE_TOLERANCE
+    truth, _ = evaluate_source(source, wi, wo, widths=widths)
+    averaged = widths == 1 and (deviations.anisotropy or 0.0) > RELATIVE_TOLERANCE
     both = _isotropic(source, averaged), material.f
     pictures, inside = [sphere.studio(f) for f in both], sphere.mask()
     figures = {
         "E": e,
         "P": float(np.median(measures.pair_error(material.f(wi, wo), truth))),
-        "anisotropy": found.deviations.anisotropy,
-        "reciprocity": found.deviations.reciprocity,
+        "anisotropy": deviations.anisotropy,
+        "reciprocity": deviations.reciprocity,
         "PSNR": compare(pictures[1], pictures[0], inside)[0],
     }
     lit = in_plane(-np.radians(ALBEDO_ANGLES))

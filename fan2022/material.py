@@ -13,7 +13,7 @@ from fan2022.inference import GaussianMixture, proxy
 from fan2022.networks import PaperNetworks, projection_pairs
 from urushi import checks, files
 from urushi.checks import CoatParameters
-from urushi.core.namespace import NUMPY, components, stacked_components
+from urushi.core.namespace import NUMPY, components, stacked
 from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.material.material import FORMAT_VERSION
 from urushi.material.source import source_name
@@ -77,7 +77,7 @@ class Material:
         wi = checks.direction(wi, "wi")
         choice, *numbers = checks.uniform(u, len(wi)).T
         drawn = self._proposal().sample(components(wi), choice, numbers, NUMPY)
-        wo = stacked_components(drawn, np)
+        wo = stacked(drawn)
         return wo, self.pdf(wi, wo)
 
     def _proposal(self) -> GaussianMixture:
@@ -130,10 +130,10 @@ def encode(source: Any, networks: Networks) -> Material:
     networks = _read(networks)
     if isinstance(source, Material) and source.networks.fingerprint == networks.fingerprint:
         return source
-    found = evaluate_source(source, *projection_pairs())
-    for sentence in found.deviations.warnings():
+    values, deviations = evaluate_source(source, *projection_pairs())
+    for sentence in deviations.warnings():
         warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=2)
-    return Material(networks.encode(found.values.T), networks)
+    return Material(networks.encode(values.T), networks)
 
 
 def layer(

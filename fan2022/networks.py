@@ -2,6 +2,7 @@
 
 import functools
 import hashlib
+import json
 import os
 import threading
 from collections.abc import Mapping
@@ -12,8 +13,9 @@ import numpy as np
 from fan2022.architecture import ALL, LATENT, PaperArchitecture, shapes
 from fan2022.inference import direction_inputs, evaluate, isotropic, layer
 from fan2022.pairs import stratified_pairs
+from urushi import files
 from urushi.checks import CoatParameters, one_width
-from urushi.errors import ParameterError
+from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
 from urushi.nets.mlp import Params
 from urushi.parallel import fill_blocks
@@ -69,11 +71,21 @@ class PaperNetworks:
         """Read a weights file of `save`.
 
         Raises:
-            FileError: as of `nets.weights.read_file`.
+            FileError: as of `nets.weights.read`.
         """
-        return weights.read_file(
-            path, KIND, lambda arch, *rest: cls(PaperArchitecture.from_json(arch), *rest)
-        )
+        description, params = files.read_tensors(path, "weights", weights.FORMAT_VERSION)
+        arch, header = description.get("architecture"), description.get("header") or {}
+        found = arch.get("kind", "urushi") if isinstance(arch, dict) else "urushi"
+        if found != KIND:
+            raise FileError(
+                f"'{path}' holds networks of the system '{found}', but those of '{KIND}' are "
+                f"needed; use the functions, plugins and commands of the system '{found}' for this "
+                "file"
+            )
+        try:
+            return cls(PaperArchitecture.from_json(json.dumps(arch)), params, header)
+        except (ParameterError, TypeError, ValueError) as error:
+            raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
     def save(self, path: str | os.PathLike) -> "PaperNetworks":
         """Write a weights file.
@@ -81,7 +93,12 @@ class PaperNetworks:
         Raises:
             FileError: the file cannot be written.
         """
-        weights.write_file(path, self.arch.to_json(), self.params, self.header)
+        description = {
+            "version": weights.FORMAT_VERSION,
+            "architecture": json.loads(self.arch.to_json()),
+            "header": self.header,
+        }
+        files.write_tensors(path, "weights", description, self.params)
         return self
 
     def encode(self, f: Any) -> np.ndarray:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from urushi.core.mixture import Mixture
-from urushi.core.namespace import NUMPY, components, stacked_components
+from urushi.core.namespace import NUMPY, components, stacked
 from urushi.core.quadrature import half_vector_rule
 
 
@@ -17,7 +17,7 @@ def pdf(mixture: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
 def sample(mixture: Any, wi: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Directions (..., 3) of numbers u (..., 3), the first for the lobe."""
     choice, *others = components(u)
-    return stacked_components(mixture.sample(components(wi), choice, others, NUMPY), np)
+    return stacked(mixture.sample(components(wi), choice, others, NUMPY))
 
 
 def weights(mixture: Mixture) -> np.ndarray:

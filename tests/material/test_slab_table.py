@@ -88,7 +88,10 @@ def test_clear_slabs_have_the_shares_of_the_analog_walk(surfaces: list[tuple]) -
     cosines = np.array([0.98, 0.8, 0.6, 0.4, 0.25, 0.12])
     for own in (surfaces, [(alpha, 1 / eta) for alpha, eta in surfaces[::-1]]):
         inner = shares(SharedLayers.of(*arrays(clear(own))), 1)[0]
-        reflected, passed = (x[:, 0] for x in inner.at(np.arccos(cosines)))
+        reflected, passed = (
+            np.interp(np.arccos(cosines), inner.angles, x[:, 0])
+            for x in (inner.reflected, inner.passed)
+        )
         reflected = reflected + inner_albedo(in_plane(cosines[:, None]), own[0][0], 1 / own[0][1])
         for share, transmitted in ((reflected, False), (passed, True)):
             truth, se = analog_albedo(

@@ -39,7 +39,7 @@ def materials(measure):
 @pytest.fixture(scope="module")
 def rests(materials):
     """f of the rests at 96 probe pairs."""
-    return np.exp(basis_fit.at_probes(materials.logs[:, 0], 96))
+    return basis_fit.probed({"table": materials.logs[:, 0]}, 96)
 
 
 @pytest.fixture(scope="module")

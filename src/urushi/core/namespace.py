@@ -6,7 +6,7 @@ and z. Operands bring their own arithmetic. `NUMPY` and `arrays` are for NumPy, 
 """
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -113,6 +113,7 @@ def components(w: Any) -> Components:
     return Components(w[..., 0], w[..., 1], w[..., 2])
 
 
-def stacked_components(w: Components, xp: Any) -> Any:
-    """The array (..., 3) of components that broadcast; xp: their module, NumPy or JAX."""
-    return xp.stack(xp.broadcast_arrays(*w), axis=-1)
+def stacked(columns: Sequence[Any]) -> Any:
+    """Arrays (...) of NumPy or JAX, which broadcast against each other, as one (..., C)."""
+    xp = columns[0].__array_namespace__()
+    return xp.stack(xp.broadcast_arrays(*columns), axis=-1)

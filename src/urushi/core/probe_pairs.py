@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 
+from urushi.core.direction_sets import direction
 from urushi.core.directions import directions_at_tangent, turned
 
 #: Number of probe pairs of isotropic BRDFs.
@@ -44,10 +45,7 @@ def _hemisphere_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Pairs with independent uniform cosines and a uniform difference of azimuths."""
     u = even_points(count, 3)
     cos_i, cos_o = (MIN_COSINE + (1.0 - MIN_COSINE) * u[:, i] for i in (0, 1))
-    sin_i, sin_o = np.sqrt(1.0 - cos_i**2), np.sqrt(1.0 - cos_o**2)
-    phi = np.pi * u[:, 2]
-    wi = np.stack([sin_i, np.zeros(count), cos_i], axis=-1)
-    return wi, np.stack([sin_o * np.cos(phi), sin_o * np.sin(phi), cos_o], axis=-1)
+    return direction(cos_i, np.zeros(count)), direction(cos_o, 0.5 * u[:, 2])
 
 
 def _slope_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:

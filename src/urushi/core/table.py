@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from urushi.core.namespace import NUMPY, Components, Namespace, stacked_components
+from urushi.core.namespace import NUMPY, Components, Namespace, stacked
 
 #: Nodes in the coordinates.
 SHAPE = 96, 32, 8
@@ -67,24 +67,17 @@ def interpolated_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
 def linear_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
     """Values float32 (N, C) of a table (..., C) at places (N,) in [0, 1] of its axes."""
     *shape, channels = table.shape
-    rows = table.reshape(-1, channels)
-    first: np.ndarray | int = 0
-    shares = []
-    for coordinate, count in zip(places, shape, strict=True):
-        place = np.clip(coordinate, 0, 1) * (count - 1)
-        index = np.minimum(place.astype(np.intp), count - 2)
-        first = first * count + index
-        share = (place - index.astype(place.dtype)).astype(np.float32)
-        # Arrays of equal shapes: NumPy broadcasts along a short last axis slowly.
-        shares.append(np.repeat(share, channels).reshape(-1, channels))
+    rows, (first, shares) = table.reshape(-1, channels), _cells(shape, places)
     values = [  # `take` is several times as fast as an index
         rows.take(first + step, axis=0).astype(np.float32, copy=False)
         for step in corner_steps(shape)
     ]
     for share in reversed(shares):
+        # Arrays of equal shapes: NumPy broadcasts along a short last axis slowly.
+        repeated = np.repeat(share, channels).reshape(-1, channels)
         for low, high in zip(values[::2], values[1::2], strict=True):
             high -= low
-            high *= share
+            high *= repeated
             low += high
         values = values[::2]
     return values[0]
@@ -92,20 +85,22 @@ def linear_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
 
 def corners(shape: Sequence[int], *places: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """The nodes (N,) around places (N,) in a table, each with its share (N,)."""
-    index, share = [], []
+    first, shares = _cells(shape, places)
+    ends = itertools.product(*((1 - share, share) for share in shares))
+    steps = zip(corner_steps(shape), ends, strict=True)
+    return [(first + step, math.prod(sides)) for step, sides in steps]
+
+
+def _cells(shape: Sequence[int], places: Sequence[np.ndarray]) -> tuple[Any, list[Any]]:
+    """The first corners (N,) of the cells of places (N,), and the shares float32 of the places
+    between both ends of a cell along each axis."""
+    first, shares = 0, list[Any]()
     for place, count in zip(places, shape, strict=True):
         scaled = np.clip(place, 0, 1) * (count - 1)
-        index.append(np.minimum(scaled.astype(np.intp), count - 2))
-        share.append((scaled - index[-1]).astype(np.float32))
-    return [
-        (
-            np.ravel_multi_index(
-                tuple(i + c for i, c in zip(index, corner, strict=True)), tuple(shape)
-            ),
-            math.prod(s if c else 1 - s for s, c in zip(share, corner, strict=True)),
-        )
-        for corner in np.ndindex(*[2] * len(shape))
-    ]
+        index = np.minimum(scaled.astype(np.intp), count - 2)
+        first = first * count + index
+        shares.append((scaled - index.astype(scaled.dtype)).astype(np.float32))
+    return first, shares
 
 
 def corner_steps(shape: Sequence[int]) -> list[int]:
@@ -241,9 +236,7 @@ def node_pairs(knots: Knots = ()) -> tuple[np.ndarray, np.ndarray]:
 def node_directions(u: np.ndarray, v: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A pair wi, wo float32 (N, 3) with the coordinates (N,), see `node_components`."""
     wi, wo = node_components(u, v, w, NUMPY)
-    return stacked_components(wi, np).astype(np.float32), stacked_components(wo, np).astype(
-        np.float32
-    )
+    return stacked(wi).astype(np.float32), stacked(wo).astype(np.float32)
 
 
 def node_components(u: Any, v: Any, w: Any, xp: Namespace) -> tuple[Components, Components]:

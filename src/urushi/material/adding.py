@@ -74,14 +74,10 @@ class Grid:
     """
 
     def __init__(
-        self,
-        elevations: int = ELEVATIONS,
-        azimuths: int = AZIMUTHS,
-        edges: Edges = (),
-        orders: int | None = None,
+        self, edges: Edges = (), elevations: int = ELEVATIONS, orders: int = AZIMUTHS // 2 + 1
     ):
         """orders: number of modes that are kept; all by default."""
-        parts, self._edges = [], edges
+        parts, self._edges, self.orders = [], edges, orders
         for start, end in itertools.pairwise((0.0, *edges, 0.5 * np.pi)):
             size = end - start
             nodes, weights = gauss(max(round(elevations * size / (0.5 * np.pi)), 4))
@@ -95,9 +91,8 @@ class Grid:
         self.cosines = np.cos(self.angles)
         # (N,) They integrate over the cosine times the cosine.
         self.weights = weights * np.sin(self.angles) * self.cosines
-        self.azimuths = np.linspace(0, np.pi, azimuths // 2 + 1)  # (H,)
+        self.azimuths = np.linspace(0, np.pi, AZIMUTHS // 2 + 1)  # (H,)
         self.mirror = (-1.0) ** np.arange(len(self.azimuths))  # the modes of a mirror reflection
-        self._count, self.orders = azimuths, orders or len(self.azimuths)
         self._upper = np.triu_indices(len(self.angles))
 
     def dots(self) -> np.ndarray:
@@ -138,8 +133,8 @@ class Grid:
 
     def values_of_modes(self, modes: np.ndarray) -> np.ndarray:
         """Values (N, N, H) of modes (H, N, N)."""
-        around = np.fft.irfft(np.moveaxis(modes, 0, -1), n=self._count, axis=-1)
-        return around[..., : len(self.azimuths)] * (self._count / (2 * np.pi))
+        around = np.fft.irfft(np.moveaxis(modes, 0, -1), n=AZIMUTHS, axis=-1)
+        return around[..., : len(self.azimuths)] * (AZIMUTHS / (2 * np.pi))
 
     def brdf_modes(self, f: np.ndarray, albedo: np.ndarray) -> np.ndarray:
         """Modes (H, N, N) of a BRDF with values f (M,) at `pairs` and albedos (N,).
@@ -181,7 +176,7 @@ class Grid:
         """The part (N,) of the albedo of a BRDF that `brdf_modes` added as a mirror reflection."""
         values = self.values_of_modes(modes)
         places = np.arange(len(self.cosines))
-        return values[places, places, -1] * self.weights * (2 * np.pi / self._count)
+        return values[places, places, -1] * self.weights * (2 * np.pi / AZIMUTHS)
 
     def shares(self, angles: np.ndarray) -> np.ndarray:
         """Shares (..., N) of the nodes in values at angles (...), as by linear interpolation."""
@@ -206,15 +201,13 @@ class Grid:
 
         function: its values (L,), or (..., L, M), at the L nodes of a finer grid.
         """
-        fine = Grid(finer * len(self.angles), edges=self._edges)
+        fine = Grid(self._edges, finer * len(self.angles))
         shares = self.shares(fine.angles) * fine.weights[:, None]
         return (shares / shares.sum(axis=0)).T @ function(fine)
 
 
-@functools.lru_cache(maxsize=64)
-def grid(edges: Edges = ()) -> Grid:
-    """The grid of coats; edges: of the medium of a slab."""
-    return Grid(edges=edges)
+#: Grids by their arguments: those of coats by their edges alone.
+grid = functools.lru_cache(maxsize=128)(Grid)
 
 
 def at_nodes(values: np.ndarray, edges: Edges, knots: Knots) -> np.ndarray:
@@ -363,26 +356,25 @@ def seen_inside(
     bottom: np.ndarray,
     interface: np.ndarray,
     layers: Iterable[Sequence[float]],
-    edges: Edges | None = None,
+    edges: Edges = (),
 ) -> tuple[np.ndarray, float]:
     """BRDF of a bottom and media below an interface that reflects from below.
 
     Args:
         bottom, interface: modes (H, N, N).
         layers: albedo, sigma_t and g of the media, top to bottom.
-        edges: of the grid; None: it has none, and light that both surfaces mirror is not excepted.
+        edges: of the grid.
 
     Returns:
         Values (N, N, H) [1/sr] of all light except that reflected once, by the bottom or by the
-        media (`reflected_once`); and the optical depth that attenuates light from the bottom. With
-        edges, light that both surfaces mirror, any number of times, is excepted, too
-        (`interreflection`).
+        media (`reflected_once`), and that both surfaces mirror, any number of times
+        (`interreflection`); and the optical depth that attenuates light from the bottom.
     """
     layers = [resolved(*layer) for layer in layers]
-    own = grid(edges or ())
+    own = grid(edges)
     through, _, up, depth = media_transport(bottom, layers, own)
     every = enclosed(up, interface, own.weights)
-    mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom) if edges is not None else 0
+    mirrored = own.mirror_shares(interface) * own.mirror_shares(bottom)
     left = through * np.sqrt(1 / (1 - mirrored * through**2))
     values = own.values_of_modes(every - left[:, None] * bottom * left)
     return values - reflected_once_on_grid(layers, own), depth

@@ -73,34 +73,19 @@ def weights() -> np.ndarray:
     return np.repeat(adding.grid().weights, ACROSS) * (0.5 * np.pi / ACROSS)
 
 
-@functools.cache
-def _triangle() -> tuple[np.ndarray, np.ndarray]:
-    """The pairs i <= j of Q directions, and the place (Q, Q) of each pair among them."""
-    count = len(weights())
-    upper, place = np.triu_indices(count), np.empty((count, count), np.intp)
-    place[upper] = place[upper[::-1]] = np.arange(len(upper[0]))
-    return np.stack(upper), place
-
-
 def parts(f: adding.Brdf, albedo: np.ndarray) -> np.ndarray:
-    """The parts float32 (C, 4, Q, Q) of a BRDF of albedos (Q, C), as `adding.Grid.brdf_modes`.
-
-    f is evaluated at half of the pairs. The other half follow by reciprocity: mirroring both
-    directions of a pair leaves f as it is, so that either may have the signs of an image.
-    """
+    """The parts float32 (C, 4, Q, Q) of a BRDF of albedos (Q, C), as `adding.Grid.brdf_modes`."""
     w, own = directions(), weights()
-    count, ((first, second), place) = len(w), _triangle()
-    wi = w.take(first, axis=0)
-    wo = w.take(second, axis=0)
-    images = [f(wi, wo * np.append(sign, np.float32(1))) for sign in SIGNS]
-    images[TURNED][first == second] = 0  # lobes are narrow there
-    diagonal, result = np.arange(count), []
-    for channel, known in enumerate(albedo.T):
-        columns = np.stack([image[:, channel] for image in images])
-        even = columns.sum(axis=0).take(place)
-        factors, missing = adding.albedo_factors(even, own, known)
-        scaled = columns * (factors.take(first) * factors.take(second)).astype(np.float32)
-        every = (PARTS.astype(np.float32) @ scaled).take(place, axis=1)
+    diagonal = np.arange(len(w))
+    wi, wo = (x.reshape(-1, 3) for x in np.broadcast_arrays(w[:, None], w))
+    images = np.stack([f(wi, wo * np.append(sign, np.float32(1))) for sign in SIGNS])
+    images = np.moveaxis(images.reshape(4, len(w), len(w), -1), -1, 0)
+    images[:, TURNED, diagonal, diagonal] = 0  # lobes are narrow there
+    result = []
+    for seen, known in zip(images, albedo.T, strict=True):
+        factors, missing = adding.albedo_factors(seen.sum(axis=0), own, known)
+        scaled = seen * np.outer(factors, factors).astype(np.float32)
+        every = np.tensordot(PARTS.astype(np.float32), scaled, 1)
         every[:, diagonal, diagonal] += PARTS[:, TURNED, None] * (missing / own)
         result.append(every)
     return np.stack(result)

@@ -12,17 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.core.table import (
-    SHAPE,
-    Knots,
-    interpolated,
-    interpolated_columns,
-    interpolated_nodes,
-    known_nodes,
-    known_pairs,
-    node_pairs,
-    table_of_values,
-)
+from urushi.core import table
 from urushi.material import adding, energy
 from urushi.material.coated_values import HALF, NARROW, WIDE, coated_values, passed_twice
 from urushi.material.material import Material
@@ -47,7 +37,7 @@ def rest_at_nodes(
     media: np.ndarray,
     factor: np.ndarray,
     points: tuple[int, int, int] = (WIDE, NARROW, HALF),
-    knots: Knots = (),
+    knots: table.Knots = (),
 ) -> np.ndarray:
     """f divided by a factor, float32 (N, C), at the nodes of coats over a substrate.
 
@@ -58,7 +48,7 @@ def rest_at_nodes(
         knots: of the table, for slabs; edges of total reflection are there.
     """
     count = len(channels)
-    every, rows = node_pairs(knots), np.ix_(*known_nodes(knots))
+    every = table.node_pairs(knots)
     result = np.empty((len(every[0]), count), np.float32)
 
     def at(pairs: Sequence[np.ndarray], chosen: np.ndarray) -> np.ndarray:
@@ -72,9 +62,10 @@ def rest_at_nodes(
     if whole.any():
         result[:, whole] = at(every, whole) / factor[:, whole]
     if not whole.all():
-        values = at(known_pairs(knots), ~whole).reshape(*(row.size for row in rows), SHAPE[2], -1)
-        values /= factor[:, ~whole].reshape(*SHAPE, -1)[rows]
-        result[:, ~whole] = interpolated_nodes(values, knots).reshape(len(result), -1)
+        known = factor[:, ~whole].reshape(*table.SHAPE, -1)[np.ix_(*table.known_nodes(knots))]
+        values = at(table.known_pairs(knots), ~whole).reshape(known.shape)
+        values /= known
+        result[:, ~whole] = table.interpolated_nodes(values, knots).reshape(len(result), -1)
     return result
 
 
@@ -97,7 +88,7 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
     below = of_material(bottom)
     *columns, channels = np.broadcast_arrays(*coat, np.arange(below.channels))
     parameters = np.stack(columns).astype(np.float64)
-    passed = passed_twice(CoatParameters(*parameters), *node_pairs())
+    passed = passed_twice(CoatParameters(*parameters), *table.node_pairs())
     rest = rest_at_nodes(below, channels, parameters[:2], parameters[2:], passed)
     of_rest = _albedos_of_values(rest, lobe)
     of_top = adding.albedos(top, LIMITED_COSINES)
@@ -111,17 +102,17 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
         if (factors == 1).all():
             break
         at_limited = LIMITED_COSINES[::-1], factors[::-1]
-        sides = (interpolated_columns(w[:, 2], *at_limited) for w in node_pairs())
+        sides = (table.interpolated_columns(w[:, 2], *at_limited) for w in table.node_pairs())
         rest *= np.minimum(*sides).astype(np.float32)  # the lesser one keeps f reciprocal
         of_rest = _albedos_of_values(rest, lobe)
-    return table_of_values(rest)
+    return table.table_of_values(rest)
 
 
 def _albedos_of_values(rest: np.ndarray, lobe: np.ndarray) -> np.ndarray:
     """Albedos (N, C) at `LIMITED_COSINES` of the table of a rest (M, C) at `node_pairs`."""
-    table = table_of_values(rest).astype(np.float32)
+    own = table.table_of_values(rest).astype(np.float32)
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return interpolated(table, wi, wo) * both_ways(lobe, wi[:, None], wo[:, None])
+        return table.interpolated(own, wi, wo) * both_ways(lobe, wi[:, None], wo[:, None])
 
     return adding.albedos(f, LIMITED_COSINES)

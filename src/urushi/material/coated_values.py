@@ -136,7 +136,7 @@ class Jobs(NamedTuple):
 
     bottom: Reflector
     interface: np.ndarray  # (D, 2) of width and relative index, or (D, 3)
-    width: np.ndarray  # (D,), or (D, 2), of half vectors that are drawn; 0: none
+    width: np.ndarray  # (D, 1), or (D, 2), of half vectors that are drawn; 0: none
     more: np.ndarray  # float32 (D, ...), of light that medium or interface turn back
     media: np.ndarray  # (D, 3 k), resolved, which attenuate light from the bottom and scatter
     interreflection: np.ndarray | None  # (D, M) a factor of it at `adding.MIRROR_COSINES`
@@ -175,11 +175,10 @@ def _jobs(
     else:
         more, factors = _turned_back(below, channels, interfaces, layers)
     narrow = below.narrow(np.max(widths, axis=0), eta, channels) & (eta != 1)
-    width = below.width[channels]
     return Jobs(
         below.reflector.taken(channels),
         interfaces.T,
-        np.where(narrow.reshape(-1, *[1] * (width.ndim - 1)), width, 0),
+        np.where(narrow[:, None], below.width[channels], 0),
         more,
         layers.reshape(len(layers), -1),
         factors,
@@ -262,7 +261,7 @@ def _f(jobs: Jobs, pairs: Sequence[np.ndarray], points: tuple[int, int, int]) ->
     """f (N, D) of jobs, without the interfaces' lobes (see the module)."""
     result = np.empty((len(pairs[0]), len(jobs.eta)), np.float32)
     wide, narrow, half = points
-    drawn = jobs.width.reshape(len(result.T), -1)[:, 0] > 0
+    drawn = jobs.width[:, 0] > 0
     matched = jobs.eta == 1
     for chosen, count, own in (
         (matched, 1, 0),
@@ -297,7 +296,7 @@ class _Kernel:
         *widths, eta = (lane.number(x) for x in jobs.interface.T)
         alpha = widths[0] if len(widths) == 1 else Widths(*widths)
         if self._half:
-            drawn = [lane.number(x) for x in jobs.width.reshape(len(jobs.eta), -1).T]
+            drawn = [lane.number(x) for x in jobs.width.T]
             self._width: Any = drawn[0] if len(drawn) == 1 else Widths(*drawn)
         total: Any = 0.0
         step = self._half or self._refracted

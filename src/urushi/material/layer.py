@@ -34,6 +34,7 @@ from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric, Stack
 from urushi.walk.bottoms import Description
 from urushi.walk.simulate import Compensation
+from urushi.walk.stack import Coat
 from urushi.walk.stack import under as described_under
 
 #: Optical depth to which deeper media are cut: up to here the network is closest to a medium at
@@ -100,21 +101,11 @@ def layer(
             "urushi.dielectric(alpha, ior=...)"
         )
     bottom = _below(under(bottom, top.eta), weights, isinstance(top.alpha, Widths))
-    coat = CoatParameters(
-        of_widths(np.asarray, top.alpha),
-        checks.eta(top.eta, "the coat's eta"),
-        *described(
-            "the coat's",
-            g=g,
-            thickness=thickness,
-            albedo=albedo,
-            sigma_t=sigma_t,
-            color=color,
-            body=body,
-            body_color=body_color,
-        ),
-        checks.g(g, "the coat's g"),
+    look = {"color": color, "body": body, "body_color": body_color}
+    medium = described(
+        "the coat's", g=g, thickness=thickness, albedo=albedo, sigma_t=sigma_t, **look
     )
+    coat = Coat(top.alpha, top.eta, *medium, g).parameters  # type: ignore[arg-type]
     if bottom.channels not in (1, 3):
         names = checks.COAT_COLUMNS[2 if isinstance(top.alpha, Widths) else 1]
         columns = zip(names, coat.columns(), strict=True)
@@ -200,12 +191,10 @@ def _coated(coating: Coating) -> Material:
         f, wi = bottom.f([appearance.WI], [appearance.WO])[0], [[0.0, 0.0, 1.0]]
         pairs = node_pairs()
         lobe = Compensation(coat, bottom.directional_albedo(wi)[0], f).f(*pairs)
-        below = tabulated(material)
-        assert below.table is not None  # for the type checker
-        values = np.exp(below.table.astype(np.float32)).reshape(len(lobe), -1)
-        own = below.latents[:, : below.model.arch.lobe]
+        values = np.exp(own_table(material).astype(np.float32)).reshape(len(lobe), -1)
+        own = material.latents[:, : material.model.arch.lobe]
         values += lobe / both_ways(own, *(w[:, None] for w in pairs))
-        material = replace(below, table=table_of_values(values))
+        material = replace(material, table=table_of_values(values), beside_lobe=True)
     return replace(material, coating=coating)
 
 
@@ -228,9 +217,7 @@ def layer_material(coat: CoatParameters, bottom: Material, fast: bool = False) -
         return Material(codes, model, rotation=bottom.rotation)
     table = coated_table(bottom, coat, codes[:, : model.arch.lobe])
     if none.any():
-        own = tabulated(bottom).table
-        assert own is not None  # for the type checker
-        table = np.where(none, own, table)
+        table = np.where(none, own_table(bottom), table)
     return Material(codes, model, table, beside_lobe=True)
 
 
@@ -263,15 +250,11 @@ def warn_of(deviations: Deviations | None, name: str) -> None:
         warnings.warn(f"{name}: {sentence}", UrushiWarning, stacklevel=3)
 
 
-def tabulated(material: Material) -> Material:
-    """The material with a table beside its lobe."""
-    if material.beside_lobe:
-        return material
-    table = material.logs()
-    if material.table is not None:
-        lobe = material.latents[:, : material.model.arch.lobe]
-        table = table_beside(material.f(*node_pairs()), lobe)
-    return replace(material, table=table, beside_lobe=True)
+def own_table(material: Material) -> np.ndarray:
+    """The table float16 (U, V, W, C) of a material beside its lobe."""
+    if material.table is None or material.beside_lobe:
+        return material.logs().astype(np.float16)
+    return table_beside(material.f(*node_pairs()), material.latents[:, : material.model.arch.lobe])
 
 
 def _below(bottom: Any, weights: Weights | None, anisotropic: bool) -> Material:

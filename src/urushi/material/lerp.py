@@ -58,18 +58,16 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
             f"the materials are rotated by {a.rotation:g} and {b.rotation:g} degrees, but a blend "
             "has one tangent; blend them before they are rotated"
         )
+    share = checks.share(t, "lerp's t", any_shape=True).astype(np.float32)
     try:
-        share = checks.real(t, np.float32)
-        channels = np.broadcast_shapes((a.channels,), (b.channels,), share.shape)
-    except checks.NO_NUMBERS as error:
+        (channels,) = np.broadcast_shapes((a.channels,), (b.channels,), share.shape)
+    except ValueError as error:
         raise ParameterError(
             f"lerp's t does not fit materials of {a.channels} and {b.channels} "
             "channels; give a number or one per channel"
         ) from error
-    if share.ndim > 1 or not ((share >= 0.0) & (share <= 1.0)).all():
-        raise ParameterError("lerp's t must be in [0, 1], a number or one per channel")
     share = np.broadcast_to(share, channels)
-    a, b = (_grown(material, len(share)) for material in (a, b))
+    a, b = (_grown(material, channels) for material in (a, b))
     if (share == 0).all() or (share == 1).all():
         return b if share.any() else a
     blend = _blend(replace(a, rotation=0.0), replace(b, rotation=0.0), share)

@@ -11,7 +11,7 @@ from urushi import checks, files
 from urushi.checks import CoatParameters
 from urushi.core.directions import rotated
 from urushi.core.mixture import Mixture
-from urushi.core.namespace import NUMPY, components, stacked_components
+from urushi.core.namespace import NUMPY, components, stacked
 from urushi.core.quadrature import directional_albedos
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, interpolated
 from urushi.errors import FileError, ParameterError
@@ -199,7 +199,7 @@ class Material:
         raised = np.where(above[:, None], wi, normal)
         proposal, incident = self._proposal(raised), components(raised)
         drawn = proposal.sample(incident, u[:, 0], u[:, 1:].T, NUMPY)
-        wo, pdf = stacked_components(drawn, np), proposal.pdf(incident, drawn, NUMPY)
+        wo, pdf = stacked(drawn), proposal.pdf(incident, drawn, NUMPY)
         wo, pdf = np.where(above[:, None], wo, normal), np.where(above, pdf, np.float32(0.0))
         return np.concatenate([wo, pdf[:, None]], axis=1)
 

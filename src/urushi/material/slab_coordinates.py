@@ -21,23 +21,15 @@ from typing import Any
 import numpy as np
 
 from urushi.checks import MIN_INDEX_STEP
-from urushi.core import fresnel, microfacet
+from urushi.core import fresnel, microfacet, table
 from urushi.core.namespace import NUMPY, Components, Namespace
-from urushi.core.table import (
-    MIN_COSINE,
-    SHAPE,
-    coordinates,
-    interpolated_nodes,
-    known_nodes,
-    log_tangent,
-    node_components,
-    squared_tangent,
-    v_of_sine,
-)
 from urushi.walk import slabs
 
 #: Nodes of a table of transmitted light: w has a sign.
-PASSED_SHAPE = (*SHAPE[:2], 2 * SHAPE[2] - 1)
+PASSED_SHAPE = (*table.SHAPE[:2], 2 * table.SHAPE[2] - 1)
+
+#: The last node in v.
+LAST = table.SHAPE[1] - 1
 
 #: The least node in v at the edge of the cone, and its least distance from the last node.
 CONE, BEYOND = 20, 2
@@ -105,7 +97,7 @@ def passed_coordinates(above: Any, below: Any, indices: Indices, xp: Namespace) 
     low, high = _range(0.5 * both.z, reach, indices, xp)
     place = (apart.z - low - high) / xp.maximum(high - low, 1e-9)
     far = 1 - xp.safe_sqrt(xp.maximum(1 - xp.absolute(place), 0))
-    v = coordinates(both, apart, xp)[1]
+    v = table.coordinates(both, apart, xp)[1]
     return _half_angle(above, below, indices, xp), v, 0.5 + xp.where(place > 0, 0.5, -0.5) * far
 
 
@@ -116,15 +108,14 @@ def _half_angle(above: Any, below: Any, indices: Indices, xp: Namespace) -> Any:
         for w, n in zip((above, below), indices, strict=True)
     )
     x, y, z = a.x + b.x, a.y + b.y, a.z + b.z
-    return log_tangent((x * x + y * y) / xp.maximum(z * z, 1e-18), xp)
+    return table.log_tangent((x * x + y * y) / xp.maximum(z * z, 1e-18), xp)
 
 
 def _edge(indices: Indices) -> int:
     """The node in v at the edge of the stretched cone; the last one without a thinner medium."""
-    last = SHAPE[1] - 1
     if max(indices) < 1 + MIN_INDEX_STEP:
-        return last
-    return min(max(CONE, round(last * v_of_sine(1 / max(indices)))), last - BEYOND)
+        return LAST
+    return min(max(CONE, round(LAST * table.v_of_sine(1 / max(indices)))), LAST - BEYOND)
 
 
 def _range(mean: Any, reach: Any, indices: Indices, xp: Namespace) -> tuple[Any, Any]:
@@ -134,7 +125,7 @@ def _range(mean: Any, reach: Any, indices: Indices, xp: Namespace) -> tuple[Any,
         mean: of both cosines.
         reach: largest value of half the difference without horizons.
     """
-    edge = _edge(indices) / (SHAPE[1] - 1)
+    edge = _edge(indices) / LAST
     horizon = 1 - edge * edge
     above, below = (horizon if n < 1 + MIN_INDEX_STEP else 0.0 for n in indices)
     low = xp.minimum(xp.maximum(-reach, above - mean), reach)
@@ -143,14 +134,14 @@ def _range(mean: Any, reach: Any, indices: Indices, xp: Namespace) -> tuple[Any,
 
 def _stretched(w: Any, index: float, indices: Indices, xp: Namespace) -> Any:
     """A stretched direction of an outer medium."""
-    edge = _edge(indices) / (SHAPE[1] - 1)
+    edge = _edge(indices) / LAST
     if edge == 1:
         return w
     sine2 = w.x * w.x + w.y * w.y
     refracted2 = index * index * sine2
     part = (edge * index) ** 2 / (1 + xp.safe_sqrt(xp.maximum(1 - refracted2, 0)))  # of v^2
     if index > 1 + MIN_INDEX_STEP:
-        first = v_of_sine(1 / index)
+        first = table.v_of_sine(1 / index)
         v = edge + (xp.safe_sqrt(xp.maximum(1 - w.z, 0)) - first) * ((1 - edge) / (1 - first))
         part = xp.where(refracted2 < 1, part, v * v / xp.maximum(sine2, 1 / index**2))
     v2 = part * sine2
@@ -160,16 +151,16 @@ def _stretched(w: Any, index: float, indices: Indices, xp: Namespace) -> Any:
 
 def _unstretched(w: Components, index: float, indices: Indices) -> np.ndarray:
     """Unit vectors (N, 3), the inverse of `_stretched`, raised to `MIN_COSINE`."""
-    edge = _edge(indices) / (SHAPE[1] - 1)
+    edge = _edge(indices) / LAST
     sine2 = w.x * w.x + w.y * w.y
     v = np.sqrt(sine2 / (1 + w.z))
     inner = 1 - np.minimum(v / edge, 1) ** 2
     z = np.sqrt(1 - (1 - inner * inner) / index**2)
     if index > 1 + MIN_INDEX_STEP:
-        first = v_of_sine(1 / index)
+        first = table.v_of_sine(1 / index)
         beyond = first + (v - edge) * ((1 - first) / (1 - edge))
         z = np.where(v > edge, 1 - beyond * beyond, z)
-    z = np.maximum(z, MIN_COSINE)
+    z = np.maximum(z, table.MIN_COSINE)
     factor = np.sqrt((1 - z * z) / np.maximum(sine2, 1e-30))
     return np.stack([w.x * factor, w.y * factor, z], axis=1)
 
@@ -193,13 +184,13 @@ def passed_node_pairs(indices: Indices) -> tuple[np.ndarray, np.ndarray]:
 
 def _pairs(u: np.ndarray, v: np.ndarray, w: np.ndarray, indices: Indices) -> list[np.ndarray]:
     """Directions above and below, (N, 3); u: of stretched pairs."""
-    cos_d, cos_h = 1 - v * v, 1 / np.sqrt(1 + np.maximum(squared_tangent(u), 1e-9))
+    cos_d, cos_h = 1 - v * v, 1 / np.sqrt(1 + np.maximum(table.squared_tangent(u), 1e-9))
     mean, reach = cos_h * cos_d, np.sqrt((1 - cos_h * cos_h) * (1 - cos_d * cos_d))
     low, high = _range(mean, reach, indices, NUMPY)
     place = np.sign(w - 0.5) * (1 - (1 - np.abs(2 * w - 1)) ** 2)
     apart = 0.5 * (low + high + place * (high - low))
     size = np.minimum(np.abs(apart) / np.maximum(np.minimum(mean, reach), 1e-9), 1)
-    lower, higher = node_components(u, v, 1 - np.sqrt(1 - size), NUMPY)
+    lower, higher = table.node_components(u, v, 1 - np.sqrt(1 - size), NUMPY)
     found = []
     for index, first in zip(indices, (apart > 0, apart <= 0), strict=True):
         own = Components(*(np.where(first, x, y) for x, y in zip(higher, lower, strict=True)))
@@ -211,13 +202,13 @@ def tabulated(
     f: Callable[..., np.ndarray], indices: Indices, symmetric: bool = False
 ) -> np.ndarray:
     """Values (*`PASSED_SHAPE`, C) of a function of directions above and below (N, 3)."""
-    half, node, last = SHAPE[2] if symmetric else PASSED_SHAPE[2], _edge(indices), SHAPE[1] - 1
-    knots = ((node / last, node),) if node < last else ()
-    rows = np.ix_(*known_nodes(knots), np.arange(half))
+    half, node = table.SHAPE[2] if symmetric else PASSED_SHAPE[2], _edge(indices)
+    knots = ((node / LAST, node),) if node < LAST else ()
+    rows = np.ix_(*table.known_nodes(knots), np.arange(half))
     pairs = (w.reshape(*PASSED_SHAPE, 3)[rows].reshape(-1, 3) for w in passed_node_pairs(indices))
     values = f(*pairs)
     shape = [row.size for row in rows]
-    result = interpolated_nodes(values.reshape(*shape, -1), knots)
+    result = table.interpolated_nodes(values.reshape(*shape, -1), knots)
     if symmetric:
         result = np.concatenate([result, result[:, :, half - 2 :: -1]], axis=2)
     return result

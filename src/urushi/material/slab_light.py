@@ -59,7 +59,7 @@ def _scattered(
         straight light at `adding.MIRROR_COSINES` that cross the media.
     """
     indices, interfaces = layers.indices(), layers.interfaces
-    outside = adding.Grid(ELEVATIONS, edges=layers.edges(-1 if indices[-1] > 1 else 0))
+    outside = adding.Grid(layers.edges(-1 if indices[-1] > 1 else 0), ELEVATIONS)
     if not insides:
         return np.zeros((*outside.dots().shape, channels)), outside, []
     grids = [adding.grid(below.edges) for below in insides]

@@ -18,25 +18,23 @@ import numpy as np
 from urushi.checks import MIN_INDEX_STEP
 from urushi.core import fresnel
 from urushi.core.namespace import NUMPY
-from urushi.core.table import interpolated_columns
 from urushi.material import adding
 from urushi.material.crossing import cross, facet_points, in_plane, mirrored
 
 #: Elevations of the grids, and facets that light of each of them meets.
 ELEVATIONS, FACETS = 64, 256
 
+#: The grid with some edges.
+_grid = functools.partial(adding.grid, elevations=ELEVATIONS, orders=1)
+
 
 class Layers(NamedTuple):
-    """A slab of C channels, without interfaces of index 1: they only join the media beside them.
+    """A slab of C channels, without interfaces of index 1: they only join the media beside them."""
 
-    Attributes:
-        interfaces: (n + 1, 2) alpha and eta, top to bottom, each relative to the medium above. Only
-            the first and the last one may have the index 1, next to a medium.
-        media: n arrays (k, 3, C) of albedo, sigma_t and g between the interfaces; of clear ones k
-            is 0.
-    """
-
+    # (n + 1, 2) alpha and eta, top to bottom, each relative to the medium above. Only the first and
+    # the last one may have the index 1, next to a medium.
     interfaces: np.ndarray
+    # n arrays (k, 3, C) of albedo, sigma_t and g between the interfaces; of clear ones k is 0
     media: tuple[np.ndarray, ...]
 
     @classmethod
@@ -109,24 +107,12 @@ class Layers(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """Shares (N, C) of the light of directions at angles (N,).
-
-    Attributes:
-        reflected: without the lobe of the first interface, through the media above it.
-        passed: transmitted.
-    """
+    """Shares (N, C) of the light of directions at angles (N,)."""
 
     edges: adding.Edges
     angles: np.ndarray
-    reflected: np.ndarray
-    passed: np.ndarray
-
-    def at(self, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Both shares (M, C) at angles (M,)."""
-        reflected, passed = (
-            interpolated_columns(angles, self.angles, x) for x in (self.reflected, self.passed)
-        )
-        return reflected, passed
+    reflected: np.ndarray  # without the lobe of the first interface, through the media above it
+    passed: np.ndarray  # transmitted
 
 
 def shares(layers: Layers, channels: int) -> list[Shares]:
@@ -185,11 +171,6 @@ def _interface(
     weight = turned.masking * fresnel.dielectric(turned.cosine, np.float32(eta), NUMPY)[0]
     reflected = grids[0].received(turned.outwards, weight / FACETS)[0]
     return reflected, grids[1].received(crossing.inside, crossing.weight / FACETS)[0]
-
-
-@functools.lru_cache(maxsize=64)
-def _grid(edges: adding.Edges) -> adding.Grid:
-    return adding.Grid(ELEVATIONS, edges=edges, orders=1)
 
 
 def _medium(layer: Sequence[float], edges: adding.Edges) -> tuple[np.ndarray, np.ndarray]:

@@ -10,13 +10,14 @@ the angles of both directions, by which f stays reciprocal, so that all light of
 share that adding finds on a fine grid (`urushi.material.slab_shares`).
 """
 
+import functools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from urushi.core.namespace import NUMPY, Components, stacked_components
+from urushi.core.namespace import NUMPY, Components, stacked
 from urushi.core.quadrature import half_vector_rule
 from urushi.core.table import (
     MAX_LOG,
@@ -70,31 +71,18 @@ class Reflected(NamedTuple):
     table: np.ndarray  # float16 (*`SHAPE`, C) logarithms of f
     knots: Knots  # of the table
 
-    def below(self, lobe: np.ndarray | None = None) -> Reflector:
-        """The BRDFs below a medium, with lobes (C, N) beside the table, which has their edges."""
-        reflector = Reflector.of_logs(self.table, lobe, knots=self.knots)
-        return reflector._replace(darkened=False)
-
 
 class SlabTables(NamedTuple):
-    """A slab of C channels.
+    """A slab of C channels."""
 
-    Attributes:
-        reflected: above the slab and below it, divided by `mirrored_inside`.
-        passed: float16 (*`PASSED_SHAPE`, C) logarithms of f of transmission, divided by the squared
-            index on wo's side and by `grazing_factor` of both directions.
-        indices: of the media above and below, relative to its thinnest medium.
-        faces: alpha and eta of the first interface on each side.
-        depths: (2, C) optical depths of the media on each side of the interfaces.
-        inner: the lobes of `mirrored_inside` on each side.
-    """
-
-    reflected: tuple[Reflected, Reflected]
+    reflected: tuple[Reflected, Reflected]  # above and below it, divided by `mirrored_inside`
+    # float16 (*`PASSED_SHAPE`, C) logarithms of f of transmission, divided by the squared index on
+    # wo's side and by `grazing_factor` of both directions
     passed: np.ndarray
-    indices: Indices
-    faces: Faces
-    depths: np.ndarray
-    inner: tuple[InnerLobes, InnerLobes]
+    indices: Indices  # of the media above and below, relative to its thinnest medium
+    faces: Faces  # alpha and eta of the first interface on each side
+    depths: np.ndarray  # (2, C) optical depths of the media on each side of the interfaces
+    inner: tuple[InnerLobes, InnerLobes]  # the lobes of `mirrored_inside` on each side
 
     @property
     def eta(self) -> float:
@@ -215,18 +203,9 @@ def _with_light(logs: np.ndarray, angles: list[np.ndarray], sides: list[Light]) 
     return result
 
 
-def _angles(own: Shares) -> np.ndarray:
-    """Ascending angles (M,) at which light is known, beside those of total reflection."""
-    edges = np.array(own.edges)[:, None]
-    near = (np.abs(ANGLES - edges) < 2 * BESIDE_EDGES[0]).any(axis=0)
-    beside = np.concatenate([edges - BESIDE_EDGES, edges + BESIDE_EDGES], axis=1).ravel()
-    angles = np.sort(np.concatenate([ANGLES[~near], beside]))
-    return angles[(angles >= 0) & (angles <= ANGLES[-1])]
-
-
 def _light(
     own: Shares,
-    part: int,
+    light: np.ndarray,
     seen: Callable[[Components], Components],
     known: Callable[[Components, Components], np.ndarray],
     places: Callable[[Components, Components], Sequence[np.ndarray]],
@@ -234,18 +213,23 @@ def _light(
     """The light of a table.
 
     Args:
-        own, part: the shares that it should have, of reflected (0) or transmitted light (1).
+        own, light: shares of a slab; those that the table should have, reflected or passed.
         seen: where light of a direction mostly goes, mirrored back.
         known: the factor of f that the table does not hold, of pairs of directions.
         places: coordinates of pairs in the table.
     """
-    angles = _angles(own)
+    edges = np.array(own.edges)[:, None]
+    close = (np.abs(ANGLES - edges) < 2 * BESIDE_EDGES[0]).any(axis=0)
+    beside = np.concatenate([edges - BESIDE_EDGES, edges + BESIDE_EDGES], axis=1).ravel()
+    angles = np.sort(np.concatenate([ANGLES[~close], beside]))
+    angles = angles[(angles >= 0) & (angles <= ANGLES[-1])]
     near = Components(np.sin(angles), 0 * angles, np.cos(angles))
-    far, weights = half_vector_rule(stacked_components(seen(near), np), azimuths=AROUND)
-    first = stacked_components(near, np)[:, None]
+    far, weights = half_vector_rule(stacked(seen(near)), azimuths=AROUND)
+    first = stacked(near)[:, None]
     pair = [Components(*w.reshape(-1, 3).T) for w in np.broadcast_arrays(first, far)]
     weights = weights * far[..., 2] * known(*pair).reshape(weights.shape)
-    return Light(angles, own.at(angles)[part], weights, list(places(*pair)))
+    wanted = interpolated_columns(angles, own.angles, light)
+    return Light(angles, wanted, weights, list(places(*pair)))
 
 
 def _passed_light(own: Shares, indices: Indices, faces: Faces, side: int) -> Light:
@@ -258,7 +242,7 @@ def _passed_light(own: Shares, indices: Indices, faces: Faces, side: int) -> Lig
 
     return _light(
         own,
-        1,
+        own.passed,
         lambda w: slabs.straight(w, ratio, NUMPY),
         lambda a, b: scale * grazing_factor(*sides(a, b), faces, NUMPY),
         lambda a, b: passed_coordinates(*sides(a, b), indices, NUMPY),
@@ -270,49 +254,41 @@ def _reflected(layers: Layers, every: list[Shares]) -> tuple[Reflected, list[OnG
 
     every: shares of what lies from each interface on, from the first to the last.
     """
-    channels, insides = every[0].passed.shape[-1], list[OnGrid]()
-    below: Reflected | None = None
-    lobe: np.ndarray | None = None
-    for level in reversed(range(len(layers.interfaces))):
-        interface = layers.interfaces[level]
-        alpha, eta = np.broadcast_to(interface, (channels, 2)).T
-        logs = np.full((*SHAPE, channels), MIN_LOG, np.float16)
-        knots = knots_of(np.sin(layers.edges(level)).tolist())
-        if below is not None:
-            edges, reflector = layers.edges(level + 1), below.below(lobe)
-            if insides:
-                inside = OnGrid.of(reflector, edges)
-            else:
-                surface = layers.interfaces[-1, 0], 1 / layers.interfaces[-1, 1], edges
-                modes = np.stack([adding.interface_modes(*surface)] * channels)
-                inside = OnGrid(edges, modes, adding.mirror(*surface).repeat(channels, axis=1))
-            own = Substrate.of(reflector, inside)
-            if eta[0] == 1:  # the lobe below is seen beside the table
-                own = replace(own, reflector=below.below())
-            inner = Layers(layers.interfaces[level:], layers.media[level:]).inner_lobes()
-            a, b = (Components(*w.T) for w in node_pairs(knots))
-            factor = mirrored_inside(a, b, inner, NUMPY).astype(np.float32).reshape(SHAPE)
-            insides.insert(0, inside)
-            media = layers.media[level].reshape(-1, channels)
-            columns = np.arange(channels), np.stack([alpha, eta]), media, factor.reshape(-1, 1)
-            rest = rest_at_nodes(own, *columns, SLAB_POINTS, knots)
-            logs = np.log(np.maximum(rest.reshape(logs.shape), 1e-30))
-            angles = [np.arccos(w[:, 2]) for w in node_pairs(knots)]
-            logs = _with_light(logs, angles, [_reflected_light(every[level], knots, inner)])
-            if level:
-                logs = logs + np.log(factor)[..., None]
-            logs = logs.clip(MIN_LOG, MAX_LOG).astype(np.float16)
-        below, lobe = Reflected(logs, knots), lobes.of_coat(alpha, eta)
-    assert below is not None  # for the type checker
-    return below, insides
+    channels, insides, last = every[0].passed.shape[-1], list[OnGrid](), len(layers.media)
+    interfaces = np.repeat(layers.interfaces[..., None], channels, axis=-1)
+    logs = np.full((*SHAPE, channels), MIN_LOG, np.float16)
+    knots = [knots_of(np.sin(layers.edges(level)).tolist()) for level in range(last + 1)]
+    for level in reversed(range(last)):
+        edges, lobe = layers.edges(level + 1), lobes.of_coat(*interfaces[level + 1])
+        reflector = Reflector.of_logs(logs, lobe, knots=knots[level + 1])._replace(darkened=False)
+        if insides:
+            inside = OnGrid.of(reflector, edges)
+        else:
+            surface = layers.interfaces[-1, 0], 1 / layers.interfaces[-1, 1], edges
+            modes = np.stack([adding.interface_modes(*surface)] * channels)
+            inside = OnGrid(edges, modes, adding.mirror(*surface).repeat(channels, axis=1))
+        insides.insert(0, inside)
+        own, known = Substrate.of(reflector, inside), knots[level]
+        if layers.interfaces[level, 1] == 1:  # the lobe below is seen beside the table
+            own = replace(own, reflector=reflector._replace(lobe=reflector.lobe[:, :0]))
+        inner = Layers(layers.interfaces[level:], layers.media[level:]).inner_lobes()
+        mirrored = functools.partial(mirrored_inside, lobes=inner, xp=NUMPY)
+        pairs = node_pairs(known)
+        factor = mirrored(*(Components(*w.T) for w in pairs)).astype(np.float32).reshape(SHAPE)
+        media, columns = layers.media[level].reshape(-1, channels), factor.reshape(-1, 1)
+        rest = rest_at_nodes(
+            own, np.arange(channels), interfaces[level], media, columns, SLAB_POINTS, known
+        )
+        places = functools.partial(_places, knots=known)
+        side = _light(every[level], every[level].reflected, lambda w: w, mirrored, places)
+        logs = np.log(np.maximum(rest.reshape(logs.shape), 1e-30))
+        logs = _with_light(logs, [np.arccos(w[:, 2]) for w in pairs], [side])
+        if level:
+            logs = logs + np.log(factor)[..., None]
+        logs = logs.clip(MIN_LOG, MAX_LOG).astype(np.float16)
+    return Reflected(logs, knots[0]), insides
 
 
-def _reflected_light(own: Shares, knots: Knots, inner: InnerLobes) -> Light:
-    """The light of a table of reflection."""
-    return _light(
-        own,
-        0,
-        lambda w: w,
-        lambda a, b: mirrored_inside(a, b, inner, NUMPY),
-        lambda a, b: pair_coordinates(np.stack(a, axis=1), np.stack(b, axis=1), knots),
-    )
+def _places(a: Components, b: Components, knots: Knots) -> tuple[np.ndarray, ...]:
+    """The coordinates of pairs in a table of reflection."""
+    return pair_coordinates(stacked(a), stacked(b), knots)

@@ -109,22 +109,19 @@ def _(source: Description) -> Source:
 
 @as_source.register
 def _(source: Stack) -> Source:
-    top, widths = source.coats[0], 2 if source.is_anisotropic else 1
-    transmitted = 0.0
+    top, transmitted = source.coats[0], 0.0
     if isinstance(source.bottom, Dielectric):
         transmitted = albedo(source, [[0.0, 0.0, 1.0]], walks=4096, transmitted=True)[0].mean()
     lobe = None  # if there is no interface, it is one from below
     if not np.all(np.equal(top.eta, 1)):
         lobe = _lobe(top.alpha, 0.0, 0.0, 1.0, top.eta, 0.0)
-        if lobe.shape[-1] < len(lobes.NUMBERS[widths]):
-            lobe = lobes.with_two_widths(lobe)
     return Source(
         lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0],
         symmetric=True,
         tabulated=False,
         transmitted=float(transmitted),
         lobe=lobe,
-        widths=widths,
+        widths=2 if source.is_anisotropic else 1,
     )
 
 

@@ -48,14 +48,14 @@ class Substrate:
     """BRDFs of C channels below coats. Make it with `of`."""
 
     reflector: Reflector
-    width: np.ndarray  # (C,), or (C, 2), of the brightest lobes; infinite without one
+    width: np.ndarray  # (C, 1), or (C, 2), of the brightest lobes; infinite without one
     of_slab: OnGrid | None = None  # on the grid of the medium of a slab
 
     @classmethod
     def of(cls, reflector: Reflector, of_slab: OnGrid | None = None) -> "Substrate":
         """The substrate of BRDFs."""
         if reflector.stretch2 is None:
-            return cls(reflector, _widths(reflector), of_slab)
+            return cls(reflector, _widths(reflector)[:, None], of_slab)
         values = reflector.f(*probe_pairs(ANISOTROPIC_PROBES, 2))
         return cls(reflector, fit_lobes(values.T, 2)[:, lobes.WIDTH_PLACES[2]])
 
@@ -71,8 +71,7 @@ class Substrate:
 
     def narrow(self, alpha: np.ndarray, eta: np.ndarray, channels: np.ndarray) -> np.ndarray:
         """Whether the lobes of channels (D,) are narrow below interfaces (D,), of widths alpha."""
-        narrowest = self.width.reshape(self.channels, -1).min(axis=1)
-        return np.abs(1 - 1 / eta) * alpha > LEAST_TILT * narrowest[channels]
+        return np.abs(1 - 1 / eta) * alpha > LEAST_TILT * self.width.min(axis=1)[channels]
 
     def edges(self, eta: float) -> adding.Edges:
         """Of the medium below an interface of relative index eta: where it reflects totally.

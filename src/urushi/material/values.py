@@ -5,8 +5,7 @@ The topmost interface of a description is known exactly and becomes the lobe of 
 a least-squares solution in the basis (`urushi.nets.code_fit`).
 """
 
-from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -23,14 +22,6 @@ from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.transmittance import table_beside
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.walk import Stack
-
-
-class SourceValues(NamedTuple):
-    """Values of a source of `encode`."""
-
-    values: np.ndarray  # float32 (N, C) [1/sr], made isotropic and reciprocal
-    deviations: Deviations  # of the source from what a material can represent
-    lobe: np.ndarray | None = None  # as in `Source`
 
 
 def model_for(source: Any, weights: Weights | None = None) -> Model:
@@ -63,18 +54,17 @@ def encode_source(
         channels = 3 if len(lobe) == 1 else len(lobe)
         material = material_of_lobes(opened.lobe, model, channels)
         return material, deviations_of(opened, widths=model.widths)
-    found = evaluate_source(
-        source, *required_pairs(source, model, table), name, widths=model.widths
-    )
+    pairs = required_pairs(source, model, table)
+    values, deviations = evaluate_source(source, *pairs, name, widths=model.widths)
     count = len(required_pairs(None, model, table=False)[0])
-    values, at_table = found.values[:count], found.values[count:]
-    material = material_from_values(values, model, lobe=found.lobe)
-    if len(at_table):
-        beside = found.lobe is not None  # a known lobe is finer than any table
-        lobe = material.latents[:, : model.arch.lobe]
-        own = table_beside(at_table, lobe) if beside else table_of_values(at_table)
-        material = replace(material, table=own, beside_lobe=beside)
-    return material, found.deviations
+    codes, at_table = codes_of_values(values[:count].T, model, opened.lobe), values[count:]
+    if not len(at_table):
+        return Material(codes, model), deviations
+    beside = opened.lobe is not None  # a known lobe is finer than any table
+    own = (
+        table_beside(at_table, codes[:, : model.arch.lobe]) if beside else table_of_values(at_table)
+    )
+    return Material(codes, model, own, beside_lobe=beside), deviations
 
 
 def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
@@ -112,11 +102,15 @@ def required_pairs(
 
 def evaluate_source(
     source: Any, wi: np.ndarray, wo: np.ndarray, name: str | None = None, *, widths: int = 1
-) -> SourceValues:
+) -> tuple[np.ndarray, Deviations]:
     """Values of a source of `encode` for float32 unit vectors (N, 3) above the horizon.
 
     name: begins errors; by default the name of the source's type.
     widths: of the material's codes.
+
+    Returns:
+        float32 (N, C) [1/sr], made isotropic and reciprocal; and the deviations of the source from
+        what a material can represent.
     """
     name = name or source_name(source)
     opened = _with_widths(_opened(source, name), widths)
@@ -125,7 +119,7 @@ def evaluate_source(
             f"encode {name}: its alpha_u and alpha_v differ, but these weights are for isotropic "
             "materials; give one alpha, or the weights 'anisotropic'"
         )
-    return SourceValues(*symmetrise(opened, wi, wo, widths), opened.lobe)
+    return symmetrise(opened, wi, wo, widths)
 
 
 def _opened(source: Any, name: str) -> Source:
@@ -141,13 +135,6 @@ def _with_widths(source: Source, widths: int) -> Source:
     if source.lobe is not None and source.lobe.shape[-1] < len(lobes.NUMBERS[widths]):
         return source._replace(lobe=lobes.with_two_widths(source.lobe))
     return source
-
-
-def material_from_values(
-    values: np.ndarray, model: Model, *, lobe: np.ndarray | None = None
-) -> Material:
-    """The material of values (N, C); the arguments are those of `codes_of_values`."""
-    return Material(codes_of_values(values.T, model, lobe), model)
 
 
 def codes_of_values(values: np.ndarray, model: Model, lobe: np.ndarray | None = None) -> np.ndarray:

@@ -6,20 +6,7 @@ from typing import Any
 import numpy as np
 
 from urushi.checks import Widths
-from urushi.core.namespace import Namespace, arrays
-
-
-def stacked(columns: Sequence[Any]) -> Any:
-    """Columns (...), which broadcast against each other, as an array (..., C)."""
-    xp = columns[0].__array_namespace__()
-    if xp is not np:
-        return xp.stack(xp.broadcast_arrays(*columns), axis=-1)
-    # For a few rows, the calls of `np.stack` would take longer than all that they stack.
-    shape = np.broadcast(*columns).shape
-    result = np.empty((*shape, len(columns)), np.result_type(*columns))
-    for place, column in enumerate(columns):
-        result[..., place] = column
-    return result
+from urushi.core.namespace import Namespace, arrays, stacked
 
 
 class Normalisation:
@@ -27,19 +14,18 @@ class Normalisation:
 
     def __init__(self, table: Sequence[tuple[str, float, float]]) -> None:
         """table: name, mean and scale of every column."""
-        _, means, scales = zip(*table, strict=True)
-        self.means, self.factors = np.array(means), 1.0 / np.array(scales)
+        self.constants = [(mean, 1.0 / scale) for _, mean, scale in table]
 
     def __call__(self, columns: Sequence[Any]) -> Any:
         """Normalised features (..., C) of columns (...), which broadcast against each other."""
         features = stacked(columns)
-        dtype = features.real.dtype  # the precision of the columns
-        return (features - self.means.astype(dtype)) * self.factors.astype(dtype)
+        means, factors = np.array(self.constants, features.real.dtype).T  # the columns' precision
+        return (features - means) * factors
 
     def each(self, columns: Sequence[Any]) -> list[Any]:
         """Columns of any kind, normalised in the same way, as a list."""
-        constants = zip(columns, self.means.tolist(), self.factors.tolist(), strict=True)
-        return [(column - mean) * factor for column, mean, factor in constants]
+        pairs = zip(columns, self.constants, strict=True)
+        return [(column - mean) * factor for column, (mean, factor) in pairs]
 
 
 #: Features of a coat: formula, mean, scale. Of its interface, whose index may be above or below
@@ -69,7 +55,7 @@ COAT_TABLE = (
 #: Normalisations of the features, of one GGX width or two, and their numbers. The second width has
 #: the first two features once more.
 COATS = {1: Normalisation(COAT_TABLE), 2: Normalisation(COAT_TABLE + COAT_TABLE[:2])}
-COAT_FEATURES = {widths: len(own.means) for widths, own in COATS.items()}
+COAT_FEATURES = {widths: len(own.constants) for widths, own in COATS.items()}
 
 
 def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:

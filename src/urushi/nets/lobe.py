@@ -23,8 +23,8 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
-from urushi.core.namespace import Components, Namespace, arrays, components
-from urushi.nets.features import Normalisation, stacked
+from urushi.core.namespace import Components, Namespace, arrays, components, stacked
+from urushi.nets.features import Normalisation
 
 #: The numbers: the GGX width, the factors of the Fresnel terms, and the complex index.
 LOBE_NUMBERS = ("alpha", "normal", "grazing", "exact", "eta", "k")
@@ -55,7 +55,7 @@ FEATURE_TABLE = (
 #: Normalisations of the features of lobes with one width and with two, and their numbers. Each
 #: further width has the first two features.
 FEATURES = {1: Normalisation(FEATURE_TABLE), 2: Normalisation(FEATURE_TABLE + FEATURE_TABLE[:2])}
-LOBE_FEATURES = {widths: len(own.means) for widths, own in FEATURES.items()}
+LOBE_FEATURES = {widths: len(own.constants) for widths, own in FEATURES.items()}
 
 #: Mean reflectance at which half of a lobe's width counts in `lobe_features`.
 VISIBLE = 0.01

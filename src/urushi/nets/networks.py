@@ -23,23 +23,15 @@ from urushi.parallel import fill_blocks
 
 @dataclass(frozen=True)
 class Architecture:
-    """Sizes of codes and of the layering network.
+    """Sizes of codes and of the layering network."""
 
-    Attributes:
-        functions: K, of the basis, with the constant one.
-        probes: number of pairs at which f must be known for a code.
-        layerer: widths of its hidden layers, at least one.
-        activation: one of `mlp.POLYNOMIALS`, for all hidden layers.
-        widths: GGX widths of a surface.
-        azimuthal: of two widths, the numbers of functions, the last ones, that are multiplied by
-            each of the factors of `core.stretched`.
-    """
-
-    functions: int = 32
-    probes: int = 256
-    layerer: tuple[int, ...] = (256, 256, 256)
-    activation: str = "silu7"
-    widths: int = 1
+    functions: int = 32  # K, of the basis, with the constant one
+    probes: int = 256  # number of pairs at which f must be known for a code
+    layerer: tuple[int, ...] = (256, 256, 256)  # widths of its hidden layers, at least one
+    activation: str = "silu7"  # one of `mlp.POLYNOMIALS`, for all hidden layers
+    widths: int = 1  # GGX widths of a surface
+    # Of two widths, the numbers of functions, the last ones, that are multiplied by each of the
+    # factors of `core.stretched`
     azimuthal: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
@@ -113,15 +105,6 @@ class Networks(NamedTuple):
     params: Params
     arch: Architecture
     basis: Basis
-
-    @classmethod
-    def of(cls, params: Params, arch: Architecture) -> "Networks":
-        """From checked parameters."""
-        rows, measure, prior = (
-            np.asarray(params[f"basis.{name}"]) for name in ("rows", "measure", "prior")
-        )
-        basis = Basis(rows, arch.factors, measure, prior.astype(np.float64), arch.widths)
-        return cls(params, arch, basis)
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (P, 3)."""

@@ -4,16 +4,16 @@ import functools
 import hashlib
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from urushi import files
 from urushi.errors import FileError, ParameterError
-from urushi.nets.basis import grid_of, on_grid
+from urushi.nets.basis import Basis, grid_of, on_grid
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Architecture, Networks
 
@@ -24,27 +24,15 @@ FORMAT_VERSION = 1
 #: materials, which are made with them unless a user names others.
 DEFAULT, ANISOTROPIC = "default", "anisotropic"
 
-#: The system that files name as `kind`. Files without the entry are Urushi's own.
-KIND = "urushi"
-
-Read = TypeVar("Read")
-
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Weights: architecture, parameters and origin. Make one by `Model.of` or `read`.
-
-    Attributes:
-        arch: the architecture.
-        params: read-only float32 NumPy arrays by name.
-        header: any JSON values: preset, seed, data, metrics, versions.
-        fingerprint: twelve hexadecimal digits that identify arch and params, but not the header.
-    """
+    """Weights: architecture, parameters and origin. Make one by `Model.of` or `read`."""
 
     arch: Architecture
-    params: Mapping[str, np.ndarray]
-    header: Mapping[str, Any]
-    fingerprint: str
+    params: Mapping[str, np.ndarray]  # read-only float32 arrays by name
+    header: Mapping[str, Any]  # any JSON values: preset, seed, data, metrics, versions
+    fingerprint: str  # twelve hexadecimal digits that identify arch and params, but not the header
 
     @classmethod
     def of(cls, arch: Architecture, params: Params, header: Mapping[str, Any]) -> "Model":
@@ -66,7 +54,11 @@ class Model:
     @functools.cached_property
     def networks(self) -> Networks:
         """Codes, layering, evaluation and proposals."""
-        return Networks.of(self.params, self.arch)
+        rows, measure, prior = (
+            self.params[f"basis.{name}"] for name in ("rows", "measure", "prior")
+        )
+        basis = Basis(rows, self.arch.factors, measure, prior.astype(np.float64), self.widths)
+        return Networks(self.params, self.arch, basis)
 
     def __getstate__(self) -> dict[str, Any]:
         """What pickles and copies hold; `networks` follows from it, with functions in memory."""
@@ -124,62 +116,36 @@ def save(
     low, step = grid_of(rows)  # files hold the rows in 16 bits
     numbers = np.rint((rows - low) / step).astype(np.uint16)
     stored = {"basis.rows": numbers, "basis.grid": np.stack([low, step])}
-    write_file(path, arch.to_json(), dict(model.params) | stored, header)
+    description = {
+        "version": FORMAT_VERSION,
+        "architecture": json.loads(arch.to_json()),
+        "header": dict(header),
+    }
+    files.write_tensors(path, "weights", description, dict(model.params) | stored)
     return model
 
 
-def write_file(
-    path: str | os.PathLike, arch: str, params: Params, header: Mapping[str, Any]
-) -> None:
-    """Write the weights of any system to a file.
-
-    arch: the text of a JSON object; its entry `kind` names another system than Urushi's.
-    """
-    description = {
-        "version": FORMAT_VERSION,
-        "architecture": json.loads(arch),
-        "header": dict(header),
-    }
-    files.write_tensors(path, "weights", description, params)
-
-
 def read(path: str | os.PathLike) -> Model:
-    """Read a weights file that `save` wrote."""
-
-    def made(arch: str, params: Params, header: Mapping[str, Any]) -> Model:
-        others = {name: array for name, array in params.items() if name != "basis.grid"}
-        if "basis.grid" in params:
-            low, step = params["basis.grid"]
-            others["basis.rows"] = (params["basis.rows"] * step + low).astype(np.float32)
-        return Model.of(Architecture.from_json(arch), others, header)
-
-    return read_file(path, KIND, made)
-
-
-def read_file(
-    path: str | os.PathLike, kind: str, make: Callable[[str, Params, Mapping[str, Any]], Read]
-) -> Read:
-    """Read a weights file that `write_file` wrote.
-
-    Args:
-        path: the file.
-        kind: the system of the weights.
-        make: from the architecture's JSON text, the parameters and the header to the result.
+    """Read a weights file that `save` wrote.
 
     Raises:
         FileError: the file is missing, truncated, foreign, of another version or of another system,
             or its arrays do not fit its architecture.
     """
-    description, arrays = files.read_tensors(path, "weights", FORMAT_VERSION)
+    description, params = files.read_tensors(path, "weights", FORMAT_VERSION)
     arch = description.get("architecture")
-    found = arch.get("kind", KIND) if isinstance(arch, dict) else KIND
-    if found != kind:
+    if isinstance(arch, dict) and "kind" in arch:
         raise FileError(
-            f"'{path}' holds networks of the system '{found}', but those of '{kind}' are needed; "
-            f"use the functions, plugins and commands of the system '{found}' for this file"
+            f"'{path}' holds networks of the system '{arch['kind']}', but those of 'urushi' are "
+            f"needed; use the functions, plugins and commands of the system '{arch['kind']}' for "
+            "this file"
         )
     try:
-        return make(json.dumps(arch), arrays, description.get("header") or {})
+        if "basis.grid" in params:
+            low, step = params.pop("basis.grid")
+            params["basis.rows"] = (params["basis.rows"] * step + low).astype(np.float32)
+        header = description.get("header") or {}
+        return Model.of(Architecture.from_json(json.dumps(arch)), params, header)
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
@@ -200,14 +166,10 @@ def shipped(name: str) -> Model:
     return read(path)
 
 
-def default_model() -> Model:
-    """The shipped weights of isotropic materials."""
-    return shipped(DEFAULT)
-
-
-def anisotropic_model() -> Model:
-    """The shipped weights of anisotropic materials."""
-    return shipped(ANISOTROPIC)
+#: The shipped weights of isotropic materials, and of anisotropic ones.
+default_model, anisotropic_model = (
+    functools.partial(shipped, name) for name in (DEFAULT, ANISOTROPIC)
+)
 
 
 def check_made_with(path: str | os.PathLike, made_with: object, fingerprint: str) -> None:

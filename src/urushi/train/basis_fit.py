@@ -167,7 +167,10 @@ def materials(held: Mapping[str, np.ndarray]) -> Tables:
 
 def probed(held: Mapping[str, np.ndarray], count: int) -> np.ndarray:
     """g (N, count) of such arrays at the probe pairs; of one width by the tables."""
-    return np.exp(held["probes"] if "probes" in held else at_probes(held["table"], count))
+    if "probes" in held:
+        return np.exp(held["probes"])
+    around = corners(SHAPE, *pair_coordinates(*probe_pairs(count)))  # linear in between
+    return np.exp(sum(held["table"][:, nodes] * share for nodes, share in around))
 
 
 def bottom_codes(model: Model, held: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -175,12 +178,6 @@ def bottom_codes(model: Model, held: Mapping[str, np.ndarray]) -> np.ndarray:
     passed = both_ways(held["lobe"][:, None], *model.networks.pairs())
     rest = code_fit.solve_codes(model.networks.basis, probed(held, model.arch.probes), passed)
     return np.concatenate([held["lobe"], rest], axis=1)
-
-
-def at_probes(values: np.ndarray, count: int) -> np.ndarray:
-    """Values (N, count) at the probe pairs of values (N, P) at the nodes, linear in between."""
-    around = corners(SHAPE, *pair_coordinates(*probe_pairs(count)))
-    return sum(values[:, nodes] * share for nodes, share in around)
 
 
 def node_measure() -> np.ndarray:

@@ -200,7 +200,7 @@ def draw_stack(
     kind = str(rng.choice(list(shares), p=list(shares.values())))
     coats = min(int(rng.choice(len(COATS), p=COATS)), most)
     practical = coats and rng.random() < PRACTICAL
-    return (Practical(coats, kind) if practical else _whole(coats, kind)).sample(rng, 1)
+    return (Practical(coats, kind) if practical else Extended(coats, kind, "whole")).sample(rng, 1)
 
 
 def draw_coats(rng: np.random.Generator, count: int) -> np.ndarray:
@@ -210,14 +210,10 @@ def draw_coats(rng: np.random.Generator, count: int) -> np.ndarray:
     """
     often = rng.binomial(count, PRACTICAL)
     practical = rng.permutation(coats_of(Practical(2).sample(rng, often)))[:often]
-    whole = coats_of(_whole(1, "conductor").sample(rng, count - often))
+    whole = coats_of(Extended(1, "conductor", "whole").sample(rng, count - often))
     coats = rng.permutation(np.concatenate([practical, whole]))
     coats[:, :2] = coats[np.arange(count) // SHARED * SHARED, :2]
     return coats
-
-
-def _whole(coats: int, kind: str) -> Extended:
-    return Extended(coats, kind, indices="whole")
 
 
 def coats_of(stack: StackTable) -> np.ndarray:

@@ -10,10 +10,9 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core.mixture import Mixture
-from urushi.core.namespace import DRJIT
+from urushi.core.namespace import DRJIT, stacked
 from urushi.mitsuba.latents.lobe import LobeKind, passed, reflectance
 from urushi.mitsuba.tables import interpolated, padded
-from urushi.nets.features import stacked
 from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.proposal import ALPHAS, LARGEST_STRETCH, mixture, stretched_widths, weights
 from urushi.nets.weights import Model
