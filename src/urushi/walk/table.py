@@ -111,16 +111,10 @@ class TableLayers:
             columns |= {"alpha_u": table.alpha.u, "alpha_v": table.alpha.v}
         self._columns = {name: types.Float(array.ravel()) for name, array in columns.items()}
         self._float = types.Float
-        if self.count == 1:  # read each parameter once, outside of the walk's loop
-            self._cached = {name: self._gather(name, row) for name in self._columns}
-
-    def _gather(self, name: str, index: Any) -> Any:
-        return dr.gather(self._float, self._columns[name], index)
 
     def _read(self, index: Any, *names: str) -> tuple[Any, ...]:
-        if self.count == 1:
-            return tuple(self._cached[name] for name in names)
-        return tuple(self._gather(name, self._row + index) for name in names)
+        place = self._row + index
+        return tuple(dr.gather(self._float, self._columns[name], place) for name in names)
 
     def interface(self, index: Any) -> tuple[Any, Any]:
         if self._anisotropic:

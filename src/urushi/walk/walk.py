@@ -112,19 +112,13 @@ def estimate(
         below = active & (wi.z < 0) & (wo.z > 0)
         enter(state, layers, media, entry, exits, wi, below)
 
-    def body(*values: Any) -> tuple[Any, ...]:
-        s = dict(zip(state, values, strict=True))
-        advance(s, layers, media, bottom, exits, hero)
-        return tuple(s.values())
-
-    values = dr.while_loop(
-        state=tuple(state.values()),
-        cond=lambda *values: values[0],
-        body=body,
-        labels=tuple(state),
+    (state,) = dr.while_loop(
+        state=(state,),
+        cond=lambda s: s["active"],
+        body=lambda s: (advance(s, layers, media, bottom, exits, hero),),
         label="layered walk",
     )
-    return dict(zip(state, values, strict=True))["result"]
+    return state["result"]
 
 
 def enter(
@@ -158,7 +152,7 @@ def top_reflection(layers: Layers, wi: Any, wo: Any) -> Any:
 
 def advance(
     s: dict[str, Any], layers: Layers, media: Media, bottom: Bottom, exits: ExitPaths, hero: Any
-) -> None:
+) -> dict[str, Any]:
     """One step of the walk: fly to the next vertex, connect to wo, scatter, play roulette."""
     rng, color = s["rng"], type(s["throughput"])
     active = dr.mask_t(s["depth"])(s["active"])
@@ -200,6 +194,7 @@ def advance(
     survival = dr.minimum(spectral_mis.greatest(chosen.throughput) / (mean * ROULETTE_THRESHOLD), 1)
     s["throughput"] = dr.select(survival > 0, chosen.throughput / survival, 0)
     s["active"] = active & (rng.next_float32() < survival) & (s["w"].z != 0)
+    return s
 
 
 def fly(s: dict[str, Any], here: Medium, down: Any, hero: Any) -> tuple[Place, Any]:
