@@ -25,9 +25,9 @@ import drjit as dr
 from urushi.core.directions import from_cosine, square_to_cosine_hemisphere
 from urushi.walk import interface, spectral_mis
 from urushi.walk.bottoms import Bottom
-from urushi.walk.exits import ExitPath, ExitPaths
+from urushi.walk.exits import ExitPath, ExitPaths, select
 from urushi.walk.interface import flip
-from urushi.walk.medium import ROULETTE_THRESHOLD, SHEET_DEPTH, Media, Medium, hg, sample_hg_cosine
+from urushi.walk.medium import ROULETTE_THRESHOLD, SHEET_DEPTH, Medium, hg, sample_hg_cosine
 
 
 class Layers(Protocol):
@@ -93,8 +93,7 @@ def estimate(
     w, weight = interface.sample_transmission(
         wi, alpha, eta, rng.next_float32(), rng.next_float32()
     )
-    media = Media(layers, index_type)
-    exits = ExitPaths(layers, media, wo, rng)
+    exits = ExitPaths(layers, wo, rng)
 
     state = {
         "active": active & (weight > 0) & (wi.z > 0) & (wo.z > 0),
@@ -110,31 +109,25 @@ def estimate(
     }
     if entry is not None:
         below = active & (wi.z < 0) & (wo.z > 0)
-        enter(state, layers, media, entry, exits, wi, below)
+        enter(state, layers, entry, exits, wi, below)
 
     (state,) = dr.while_loop(
         state=(state,),
         cond=lambda s: s["active"],
-        body=lambda s: (advance(s, layers, media, bottom, exits, hero),),
+        body=lambda s: (advance(s, layers, bottom, exits, hero),),
         label="layered walk",
     )
     return state["result"]
 
 
 def enter(
-    s: dict[str, Any],
-    layers: Layers,
-    media: Media,
-    entry: Bottom,
-    exits: ExitPaths,
-    wi: Any,
-    below: Any,
+    s: dict[str, Any], layers: Layers, entry: Bottom, exits: ExitPaths, wi: Any, below: Any
 ) -> None:
     """Start the walks of the lanes `below` at the bottom: its transmission is their first event."""
     lowest = type(s["layer"])(layers.count - 1)
     path = exits.at(lowest)
     start = {"w": -wi, "throughput": type(s["throughput"])(1)}
-    visible = media.at(lowest).transmittance(type(s["depth"])(1), path.direction.z)
+    visible = Medium.of(layers, lowest).transmittance(type(s["depth"])(1), path.direction.z)
     u = s["rng"].next_float32(), s["rng"].next_float32(), s["rng"].next_float32()
     first = bottom_event(start, entry, visible, path, u)
     s["active"] |= below & (spectral_mis.greatest(first.throughput) > 0)
@@ -151,13 +144,13 @@ def top_reflection(layers: Layers, wi: Any, wo: Any) -> Any:
 
 
 def advance(
-    s: dict[str, Any], layers: Layers, media: Media, bottom: Bottom, exits: ExitPaths, hero: Any
+    s: dict[str, Any], layers: Layers, bottom: Bottom, exits: ExitPaths, hero: Any
 ) -> dict[str, Any]:
     """One step of the walk: fly to the next vertex, connect to wo, scatter, play roulette."""
     rng, color = s["rng"], type(s["throughput"])
     active = dr.mask_t(s["depth"])(s["active"])
     down = s["w"].z < 0
-    here = media.at(s["layer"])
+    here = Medium.of(layers, s["layer"])
     path = exits.at(s["layer"])
     place, in_medium = fly(s, here, down, hero)
     visible = here.transmittance(s["depth"], path.direction.z)
@@ -170,10 +163,10 @@ def advance(
     inside, ratio = medium_event(s["w"], here, place, at_sheet, path, hero, u)
     top = top_event(s, exits, u)
     low = bottom_event(s, bottom, visible, path, u)
-    chosen = select_event(at_top, top, low)
+    chosen = select(at_top, top, low)
     if layers.count > 1:
         inner = at_boundary & ~at_top & ~at_bottom
-        chosen = select_event(inner, inner_event(s, layers, media, exits, down, u), chosen)
+        chosen = select(inner, inner_event(s, layers, exits, down, u), chosen)
         below = dr.select(down, s["layer"] + 1, s["layer"])
         rising = chosen.direction.z > 0
         s["layer"] = dr.select(inner, dr.select(rising, below - 1, below), s["layer"])
@@ -186,7 +179,7 @@ def advance(
     scatters = in_medium | at_sheet
     connects = scatters | ((here.scatters < 1) & (spectral_mis.greatest(here.sigma_t) > 0))
     s["result"] += dr.select(active & connects, color(inside.contribution) / mean, 0)
-    chosen = select_event(scatters, inside, chosen)
+    chosen = select(scatters, inside, chosen)
     if hero is not None:
         s["spectral"] *= dr.select(scatters, ratio, 1)
     mean = spectral_mis.mean(s["spectral"], hero)
@@ -236,12 +229,7 @@ def fly(s: dict[str, Any], here: Medium, down: Any, hero: Any) -> tuple[Place, A
     for name in ("depth", "throughput", "spectral"):
         s[name] = dr.select(scatters, getattr(place, name), getattr(ended, name))
     at_end = ~scatters & here.deep  # the end may be a sheet
-    return Place(*(dr.select(at_end, a, b) for a, b in zip(ended, place, strict=True))), scatters
-
-
-def select_event(mask: Any, a: Event, b: Event) -> Event:
-    """Per lane, event `a` where the mask is set and `b` elsewhere."""
-    return Event(*(dr.select(mask, x, y) for x, y in zip(a, b, strict=True)))
+    return select(at_end, ended, place), scatters
 
 
 def medium_event(
@@ -294,9 +282,7 @@ def bottom_event(s: dict[str, Any], bottom: Bottom, visible: Any, path: ExitPath
     return Event(contribution, direction, s["throughput"] * weight, pdf, type(pdf)(0))
 
 
-def inner_event(
-    s: dict[str, Any], layers: Layers, media: Media, exits: ExitPaths, down: Any, u: Any
-) -> Event:
+def inner_event(s: dict[str, Any], layers: Layers, exits: ExitPaths, down: Any, u: Any) -> Event:
     """An interface between two media, from either side. It connects along the chain above it."""
     index = dr.clip(dr.select(down, s["layer"] + 1, s["layer"]), 1, layers.count - 1)
     above = index - 1
@@ -313,7 +299,7 @@ def inner_event(
     path = exits.at(above)
     outgoing = dr.select(down, path.direction, flip(path.direction))
     f, pdf = interface.scatter(incident, outgoing, alpha, eta)
-    visible = media.at(above).transmittance(type(f)(1), path.direction.z)
+    visible = Medium.of(layers, above).transmittance(type(f)(1), path.direction.z)
     connected = s["throughput"] * f * visible * path.weight
     contribution = connected * path.mis(pdf, ratios_below(path.direction))
     direction, weight, pdf = interface.sample(incident, alpha, eta, *u)
