@@ -1,5 +1,6 @@
 """Many monochrome stacks of one shape as arrays, from which each lane of a walk reads one row."""
 
+import functools
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi.checks import CoatParameters, Widths
+from urushi.core.microfacet import of_widths
 from urushi.errors import ParameterError
 from urushi.walk.bottoms import KINDS, Bottom, Description
 from urushi.walk.bottoms.bottom import numbers_of
@@ -38,11 +40,7 @@ class StackTable:
                 f"a table of '{self.kind}' bottoms needs the parameters {', '.join(names)}"
             )
         for name in CoatParameters._fields:
-            value = getattr(self, name)
-            if isinstance(value, Widths):
-                value = Widths(*map(self._coat_column, ("alpha_u", "alpha_v"), (value.u, value.v)))
-            else:
-                value = self._coat_column(name, value)
+            value = of_widths(functools.partial(self._coat_column, name), getattr(self, name))
             object.__setattr__(self, name, value)
         columns = {name: _column(values) for name, values in self.bottom.items()}
         if any(v.shape != (len(self),) for v in columns.values()):
