@@ -5,6 +5,7 @@ H sqrt(theta_h / 90 deg). Along theta_d and phi_d, bins are equal parts of 90 an
 value of a bin belongs to its centre.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import cached_property
@@ -109,34 +110,18 @@ def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarra
     """
     shape, rows = table.shape[:3], table.reshape(-1, table.shape[3])
     theta_h, theta_d, phi_d = half_difference(components(wi), components(wo), NUMPY)
-    half = _between_centres(np.sqrt(theta_h / (np.pi / 2)), shape[0])
-    difference = _between_centres(theta_d / (np.pi / 2), shape[1])
-    turn = _between_centres(phi_d / np.pi, shape[2], periodic=True)
+    places = np.sqrt(theta_h / (np.pi / 2)), theta_d / (np.pi / 2), phi_d / np.pi
+    positions = [place * bins - 0.5 for place, bins in zip(places, shape, strict=True)]
+    positions[:2] = (np.clip(x, 0, n - 1) for x, n in zip(positions, shape[:2], strict=False))
+    lower = [np.floor(position).astype(np.intp) for position in positions]
+    shares = [position - low for position, low in zip(positions, lower, strict=True)]
     result = np.zeros((len(wi), table.shape[3]))
-    for i, weight_i in half:
-        for j, weight_j in difference:
-            for k, weight_k in turn:
-                weight = weight_i * weight_j * weight_k
-                bins = (i * shape[1] + j) * shape[2] + k
-                result += weight[:, None] * rows[bins]
+    for corner in np.ndindex(2, 2, 2):
+        i, j, k = (low + step for low, step in zip(lower, corner, strict=True))
+        bins = np.ravel_multi_index((i, j, k), shape, ("clip", "clip", "wrap"))
+        weight = math.prod(x if step else 1 - x for x, step in zip(shares, corner, strict=True))
+        result += weight[:, None] * rows[bins]
     return result
-
-
-def _between_centres(
-    u: np.ndarray, bins: int, *, periodic: bool = False
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the two bins whose centres enclose u in [0, 1], each with its linear weight."""
-    position = u * bins - 0.5
-    if not periodic:
-        position = np.clip(position, 0, bins - 1)
-    lower = np.floor(position).astype(np.intp)
-    weight = position - lower
-    upper = lower + 1
-    if periodic:
-        lower, upper = lower % bins, upper % bins
-    else:
-        upper = np.minimum(upper, bins - 1)
-    return [(lower, 1 - weight), (upper, weight)]
 
 
 def tabulated(f: Callable[[np.ndarray, np.ndarray], np.ndarray], shape: Shape) -> np.ndarray:
