@@ -11,6 +11,7 @@ import numpy.typing as npt
 from urushi.checks import CoatParameters, Widths
 from urushi.core.microfacet import of_widths
 from urushi.errors import ParameterError
+from urushi.walk import spectral_mis
 from urushi.walk.bottoms import KINDS, Bottom, Description
 from urushi.walk.bottoms.bottom import numbers_of
 from urushi.walk.stack import Coat, Stack
@@ -102,26 +103,19 @@ class TableLayers:
     def __init__(self, types: Any, table: StackTable, row: Any) -> None:
         self.count = table.coats
         self._row = row * self.count
-        columns = {name: getattr(table, name) for name in CoatParameters._fields}
-        self._anisotropic = isinstance(table.alpha, Widths)
-        if isinstance(table.alpha, Widths):
-            del columns["alpha"]
-            columns |= {"alpha_u": table.alpha.u, "alpha_v": table.alpha.v}
-        self._columns = {name: types.Float(array.ravel()) for name, array in columns.items()}
-        self._float = types.Float
+        coats = CoatParameters(*(getattr(table, name) for name in CoatParameters._fields))
+        columns = [types.Float(column.ravel()) for column in coats.columns()]
+        self._columns = CoatParameters.of_columns(columns)
 
-    def _read(self, index: Any, *names: str) -> tuple[Any, ...]:
+    def _read(self, index: Any, column: Any) -> Any:
         place = self._row + index
-        return tuple(dr.gather(self._float, self._columns[name], place) for name in names)
+        return of_widths(lambda x: dr.gather(type(x), x, place), column)
 
     def interface(self, index: Any) -> tuple[Any, Any]:
-        if self._anisotropic:
-            *alphas, eta = self._read(index, "alpha_u", "alpha_v", "eta")
-            return Widths(*alphas), eta
-        return self._read(index, "alpha", "eta")
+        return self._read(index, self._columns.alpha), self._read(index, self._columns.eta)
 
-    def medium(self, index: Any) -> tuple[Any, Any, Any]:
-        return self._read(index, "albedo", "sigma_t", "g")
+    def medium(self, index: Any) -> tuple[Any, ...]:
+        return tuple(self._read(index, column) for column in self._columns[2:])
 
 
 class ChannelBottom:
@@ -131,18 +125,13 @@ class ChannelBottom:
         self._brdf = brdf
         self._row = row
 
-    def _channel(self, value: Any) -> Any:
-        if dr.size_v(type(value)) != 3 or dr.depth_v(type(value)) < 2:
-            return value
-        return dr.select(self._row == 0, value[0], dr.select(self._row == 1, value[1], value[2]))
-
     def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
         f, pdf = self._brdf.f_pdf(wi, wo)
-        return self._channel(f), pdf
+        return spectral_mis.of_hero(f, self._row), pdf
 
     def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
         wo, weight, pdf = self._brdf.sample(wi, u0, u1, u2)
-        return wo, self._channel(weight), pdf
+        return wo, spectral_mis.of_hero(weight, self._row), pdf
 
 
 def table_bottom(types: Any, table: StackTable, row: Any) -> Bottom:
