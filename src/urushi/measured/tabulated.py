@@ -36,9 +36,23 @@ class MeasuredSurface(ABC):
     walk uses `table` instead.
     """
 
-    @abstractmethod
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
-        """Linear RGB, float32 (N, 3) [1/sr] without cosine, for unit vectors (N, 3)."""
+        """Evaluate in linear sRGB.
+
+        Args:
+            wi, wo: (N, 3) unit vectors; wi is the direction of the light in the measurement.
+
+        Returns:
+            float32 (N, 3): [1/sr], without cosine, never negative; 0 below the horizon.
+
+        Raises:
+            ParameterError: wrong shapes, or directions that are not unit vectors.
+        """
+        return np.maximum(evaluate(self._lookup, 3, wi, wo), 0)
+
+    @abstractmethod
+    def _lookup(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """f (N, 3) of `evaluate`."""
 
     @abstractmethod
     def table(self) -> np.ndarray:
@@ -164,17 +178,21 @@ def fill_nearest(values: np.ndarray, valid: np.ndarray) -> None:
 
 def _filled_once(values: np.ndarray, usable: np.ndarray) -> np.ndarray:
     """Fill bins in place that have a usable one in their row or column; returns all usable ones."""
-    flat, missing = values.reshape(usable.size, -1), np.flatnonzero(~usable)
-    for distance in range(1, max(usable.shape[1:])):
-        for step in ((0, -distance), (0, distance), (-distance, 0), (distance, 0)):
-            h, j, k = np.unravel_index(missing, usable.shape)
-            # Clipping finds no new bins: a usable last one was found at its own distance.
-            source = np.ravel_multi_index(
-                (h, j + step[0], k + step[1]), usable.shape, ("raise", "clip", "wrap")
-            )
-            found = usable.take(source)
-            flat[missing[found]] = flat[source[found]]
-            missing = missing[~found]
-    filled = np.ones_like(usable)
-    filled.flat[missing] = False
-    return filled
+    _, rows, columns = usable.shape
+    reachable = usable.any(axis=1, keepdims=True) | usable.any(axis=2, keepdims=True)
+    flat, missing = values.reshape(usable.size, -1), np.flatnonzero(reachable & ~usable)
+    for distance in range(1, max(rows, columns)):
+        j, k = np.divmod(missing % (rows * columns), columns)
+        sources = np.stack(  # in a row, then in a column, whose last bins stand for what is beyond
+            [
+                missing - k + (k - distance) % columns,
+                missing - k + (k + distance) % columns,
+                missing - np.minimum(distance, j) * columns,
+                missing + np.minimum(distance, rows - 1 - j) * columns,
+            ]
+        )
+        hits = usable.take(sources)
+        found = hits.any(axis=0)
+        flat[missing[found]] = flat[sources[hits.argmax(axis=0), np.arange(len(j))][found]]
+        missing = missing[~found]
+    return usable | reachable
