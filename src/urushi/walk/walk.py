@@ -70,23 +70,24 @@ def estimate(
     wi: Any,
     wo: Any,
     rng: Any,
-    color: type,
+    color: type | None = None,
     active: Any = True,
     entry: Bottom | None = None,
 ) -> Any:
-    """One walk's estimate of f(wi, wo) [1/sr] of type `color`, top reflection excluded.
+    """One walk's estimate of f(wi, wo) [1/sr], top reflection excluded.
 
     Args:
         layers: the coats.
         bottom: the BRDF under the lowest medium.
         wi, wo: unit directions, Dr.Jit 3-vectors; the estimate is 0 below the horizon.
         rng: a Dr.Jit PCG32 of independent streams per lane.
-        color: the Dr.Jit type of throughputs: a float or a colour of the same backend.
+        color: the Dr.Jit type of throughputs and of the result: a colour; None: a float.
         active: mask of lanes that walk.
         entry: the transmission of the bottom to wo above from wi below, where walks start with it;
             None: the bottom is opaque.
     """
     scalar, vector = type(wi.z), type(wi)
+    color = color or scalar
     index_type = dr.uint32_array_t(scalar)
     hero = spectral_mis.pick(color, rng.next_float32())
     alpha, eta = layers.interface(index_type(0))
