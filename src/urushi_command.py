@@ -10,7 +10,6 @@ exception has not done so.
 import io
 import os
 import signal
-import socket
 import sys
 import threading
 from typing import NoReturn
@@ -42,16 +41,15 @@ def main() -> int:
 
 def _watch(finished: threading.Event) -> None:
     """Start the thread that ends an unfinished process soon after an interrupt."""
-    receiver, sender = socket.socketpair()
-    sender.setblocking(False)
-    signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
+    receiver, sender = os.pipe()
+    os.set_blocking(sender, False)
+    signal.set_wakeup_fd(sender, warn_on_full_buffer=False)
 
     def wait() -> None:
-        with sender:  # must not be closed
-            while receiver.recv(1) != bytes([signal.SIGINT]):
-                pass
-            if not finished.wait(GRACE):
-                _interrupt()
+        while os.read(receiver, 1) != bytes([signal.SIGINT]):
+            pass
+        if not finished.wait(GRACE):
+            _interrupt()
 
     threading.Thread(target=wait, daemon=True).start()
 

@@ -57,7 +57,7 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
         FileError: the folder is missing or cannot be written, the disk is full, or `path` is a
             folder or a device.
     """
-    target = as_path(path)
+    target, temporary = as_path(path), None
     try:
         place = target.resolve()
         if place.exists() and not place.is_file():  # renaming would replace a device
@@ -66,16 +66,8 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
             dir=place.parent, prefix=f".{target.stem}-", suffix=target.suffix
         )
         os.close(handle)
-    except FileError:
-        raise
-    except (OSError, RuntimeError) as error:  # RuntimeError: links in a circle
-        raise FileError(
-            f"cannot write '{target}': {getattr(error, 'strerror', None) or error}; "
-            "choose a folder that exists and is writable"
-        ) from error
-    temporary = Path(name)
-    _temporary_files.add(temporary)
-    try:
+        temporary = Path(name)
+        _temporary_files.add(temporary)
         yield temporary
         os.umask(mask := os.umask(0))  # the mask can be read only by setting it
         temporary.chmod(0o666 & ~mask)  # mkstemp makes private files
@@ -84,17 +76,19 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
         raise
     except (OSError, RuntimeError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        # Mitsuba's streams: "... I/O error while ...: No space left on device".
-        if isinstance(error, RuntimeError):
+        cure = "free some space or choose another folder"
+        if temporary is None:  # RuntimeError: links in a circle
+            cure = "choose a folder that exists and is writable"
+        elif isinstance(error, RuntimeError):
+            # Mitsuba's streams: "... I/O error while ...: No space left on device".
             if "I/O error" not in reason:
                 raise
             reason = reason.rpartition(": ")[2]
-        raise FileError(
-            f"cannot write '{target}': {reason}; free some space or choose another folder"
-        ) from error
+        raise FileError(f"cannot write '{target}': {reason}; {cure}") from error
     finally:
-        temporary.unlink(missing_ok=True)
-        _temporary_files.discard(temporary)
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+            _temporary_files.discard(temporary)
 
 
 def new_folder(path: str | os.PathLike) -> Path:

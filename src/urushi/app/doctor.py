@@ -10,7 +10,8 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from urushi.errors import UrushiError
@@ -39,13 +40,16 @@ class Finding:
 
 def examine() -> list[Finding]:
     """Run all checks, the most basic first."""
+    names = VARIANTS if shutil.which("nvidia-smi") else VARIANTS[:-1]
+    with ThreadPoolExecutor(len(names)) as pool:
+        variants = list(pool.map(_variant, names))
     return [
         Finding("Python", f"{platform.python_version()} ({sys.executable})"),
         _package("mitsuba", (3, 9), (3, 10)),
         _drjit(),
         _llvm(),
         _gpu(),
-        *_variants(VARIANTS if shutil.which("nvidia-smi") else VARIANTS[:-1]),
+        *variants,
         *_weights(),
         *_extras(),
     ]
@@ -78,31 +82,18 @@ def _llvm() -> Finding:
     return Finding("LLVM", found, problem, True)
 
 
-def _variants(names: Sequence[str]) -> list[Finding]:
-    """Start every variant, each in its own process, all at the same time."""
-    processes = [
-        subprocess.Popen(
-            [sys.executable, "-c", _PROBE, name],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        for name in names
-    ]
-    findings = []
-    for name, process in zip(names, processes, strict=True):
-        try:
-            _, message = process.communicate(timeout=_TIMEOUT)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.communicate()
-            message = f"no answer in {_TIMEOUT} seconds"
-        found, reason = "usable", None
-        if process.returncode:
-            reason = (message.strip().splitlines() or [f"exit code {process.returncode}"])[-1]
-            found = "not usable"
-        findings.append(Finding(f"variant {name}", found, reason, name == "llvm_ad_rgb"))
-    return findings
+def _variant(name: str) -> Finding:
+    """Start a variant in a process of its own."""
+    label, essential = f"variant {name}", name == "llvm_ad_rgb"
+    try:
+        probe = [sys.executable, "-c", _PROBE, name]
+        run = subprocess.run(probe, capture_output=True, text=True, timeout=_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        return Finding(label, "not usable", f"no answer in {_TIMEOUT} seconds", essential)
+    if run.returncode == 0:
+        return Finding(label, "usable", essential=essential)
+    reason = (run.stderr.strip().splitlines() or [f"exit code {run.returncode}"])[-1]
+    return Finding(label, "not usable", reason, essential)
 
 
 def _gpu() -> Finding:

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -90,10 +89,26 @@ class Render:
                 )
             path, name = DEMO_SCENE, self.scene
         target = self.output or Path(self.scene).with_suffix(".exr")
-        check_picture(target)
+        if target.suffix.lower() not in SUFFIXES:
+            raise ParameterError(
+                f"'{target}' does not end in a picture format; use {', '.join(SUFFIXES)}"
+            )
+        with atomic_write(target) as temporary:  # it fails before a picture is rendered
+            image = self._picture(path, definitions, name)
+            import mitsuba as mi
+
+            in_bytes = target.suffix.lower() != ".exr"
+            if in_bytes:  # Mitsuba's conversion to bytes turns thousands into black
+                image = np.minimum(image, 1)
+            bitmap = mi.util.convert_to_bitmap(image.astype(np.float32), in_bytes)
+            bitmap.write(str(temporary))
+        print(target)
+        return 0
+
+    def _picture(self, path: Path, definitions: dict[str, str], name: str | None) -> np.ndarray:
+        """The picture of a scene file, of `load_scene`."""
         set_variant(self.mode)
         import drjit as dr
-        import mitsuba as mi
 
         size = {"width": self.width, "height": self.height}
         scene = load_scene(
@@ -110,37 +125,12 @@ class Render:
         dr.set_thread_count(self.threads or before)
         try:
             spp = self.spp or scene.sensors()[self.sensor].sampler().sample_count()
-            image = rendered(scene, self.sensor, spp, self.seed, self.RAYS)
+            return rendered(scene, self.sensor, spp, self.seed, self.RAYS)
         except RuntimeError as error:
             raise_interrupt(error)
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
         finally:
             dr.set_thread_count(before)
-        in_bytes = target.suffix.lower() != ".exr"
-        if in_bytes:
-            image = np.minimum(image, 1)  # Mitsuba's conversion to bytes turns thousands into black
-        bitmap = mi.util.convert_to_bitmap(image.astype(np.float32), in_bytes)
-        with atomic_write(target) as temporary:
-            bitmap.write(str(temporary))
-        print(target)
-        return 0
-
-
-def check_picture(path: Path) -> None:
-    """Refuse a picture's file that cannot be written, before it is rendered."""
-    if path.suffix.lower() not in SUFFIXES:
-        raise ParameterError(
-            f"'{path}' does not end in a picture format; use {', '.join(SUFFIXES)}"
-        )
-    if path.is_dir() or not path.parent.is_dir():
-        reason = "it is a folder" if path.is_dir() else f"there is no folder '{path.parent}'"
-        raise FileError(f"cannot write '{path}': {reason}; choose another name")
-    try:
-        tempfile.TemporaryFile(dir=path.parent).close()
-    except OSError as error:
-        raise FileError(
-            f"cannot write '{path}': {error.strerror}; choose a folder that is writable"
-        ) from error
 
 
 def load_scene(

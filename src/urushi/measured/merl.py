@@ -9,7 +9,6 @@ The database's own reader (BRDFRead.cpp) finds a bin by truncation,
 Bin i therefore spans [i, i + 1) on its axis, and its value belongs to the centre, i + 0.5.
 """
 
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -44,7 +43,6 @@ class Merl(tabulated.MeasuredSurface):
       horizon. Negative values mark bins that could not be measured, many of them beyond about 80
       degrees. Invalid bins are filled by `tabulated.fill_nearest`, so that no mark enters the
       interpolation.
-    - f is 0 where a direction is below the horizon.
     """
 
     def __init__(self, table: npt.ArrayLike) -> None:
@@ -74,19 +72,8 @@ class Merl(tabulated.MeasuredSurface):
         tabulated.fill_nearest(values, valid)
         self._table = values
 
-    def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
-        """Evaluate.
-
-        Args:
-            wi, wo: (N, 3) unit vectors.
-
-        Returns:
-            float32 (N, 3): linear RGB [1/sr], without cosine, never negative.
-
-        Raises:
-            ParameterError: wrong shapes, or directions that are not unit vectors.
-        """
-        return tabulated.evaluate(partial(tabulated.interpolated, self._table), 3, wi, wo)
+    def _lookup(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return tabulated.interpolated(self._table, wi, wo)
 
     def table(self) -> np.ndarray:
         """The filled table, float32 (90, 90, 180, 3) [1/sr]."""

@@ -20,7 +20,6 @@ from functools import cached_property, partial
 from importlib.resources import files
 
 import numpy as np
-import numpy.typing as npt
 
 from urushi.errors import FileError, ParameterError
 from urushi.measured.tabulated import MeasuredSurface, evaluate, tabulated
@@ -67,8 +66,9 @@ class Rgl(MeasuredSurface):
     """A BRDF in the adaptive parameterization, nearly reciprocal.
 
     wi and wo enter the formula in different ways, so that f is reciprocal only up to errors of
-    the measurement and of the interpolation over few theta_i. f is 0 where a direction is below
-    the horizon.
+    the measurement and of the interpolation over few theta_i. Spectra are converted under the
+    illuminant D65, so that a constant spectrum is neutral. Negative channels, of colours outside of
+    sRGB, are set to 0.
 
     Attributes:
         description: the description in the file.
@@ -112,23 +112,8 @@ class Rgl(MeasuredSurface):
             self.wavelengths = tensors["wavelengths"].astype(np.float64)
             self._rgb = self._measured @ srgb_weights(self.wavelengths)
 
-    def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
-        """Evaluate in linear sRGB.
-
-        Spectra are converted under the illuminant D65, so that a constant spectrum is neutral.
-        Negative channels, of colours outside of sRGB, are set to 0.
-
-        Args:
-            wi, wo: (N, 3) unit vectors; wi is the direction of the light in the measurement.
-
-        Returns:
-            float32 (N, 3): [1/sr], without cosine, never negative.
-
-        Raises:
-            ParameterError: wrong shapes, or directions that are not unit vectors.
-        """
-
-        return np.maximum(evaluate(partial(self._lookup, measured=self._rgb), 3, wi, wo), 0)
+    def _lookup(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return self._interpolated(self._rgb, wi, wo)
 
     def table(self) -> np.ndarray:
         """The mean of f over the exchange of wi and wo, float32 (256, 64, 64, 3) [1/sr].
@@ -156,7 +141,7 @@ class Rgl(MeasuredSurface):
         power, vectors = np.linalg.eigh(rows.T @ rows)  # the weakest first
         needed = int((power.cumsum() > COMPONENTS_ERROR**2 * power.sum()).sum())
         spectra = vectors[:, -min(max(needed, 1), MOST_COMPONENTS) :].T
-        lookup = partial(self._lookup, measured=self._measured @ spectra.T)
+        lookup = partial(self._interpolated, self._measured @ spectra.T)
         return tabulated(partial(evaluate, lookup, len(spectra)), TABLE_SHAPE), spectra
 
     def _check_isotropic(self) -> None:
@@ -166,7 +151,7 @@ class Rgl(MeasuredSurface):
                 "ones only; in a scene, put Mitsuba's 'measured' under the coat"
             )
 
-    def _lookup(self, wi: np.ndarray, wo: np.ndarray, measured: np.ndarray) -> np.ndarray:
+    def _interpolated(self, measured: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """The formula of this module for float64 (N, 3) directions above the horizon.
 
         measured: the values, such as those of the file.

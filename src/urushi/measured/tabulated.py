@@ -5,6 +5,7 @@ H sqrt(theta_h / 90 deg). Along theta_d and phi_d, bins are equal parts of 90 an
 value of a bin belongs to its centre.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import cached_property
@@ -35,9 +36,23 @@ class MeasuredSurface(ABC):
     walk uses `table` instead.
     """
 
-    @abstractmethod
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
-        """Linear RGB, float32 (N, 3) [1/sr] without cosine, for unit vectors (N, 3)."""
+        """Evaluate in linear sRGB.
+
+        Args:
+            wi, wo: (N, 3) unit vectors; wi is the direction of the light in the measurement.
+
+        Returns:
+            float32 (N, 3): [1/sr], without cosine, never negative; 0 below the horizon.
+
+        Raises:
+            ParameterError: wrong shapes, or directions that are not unit vectors.
+        """
+        return np.maximum(evaluate(self._lookup, 3, wi, wo), 0)
+
+    @abstractmethod
+    def _lookup(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """f (N, 3) of `evaluate`."""
 
     @abstractmethod
     def table(self) -> np.ndarray:
@@ -109,34 +124,18 @@ def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarra
     """
     shape, rows = table.shape[:3], table.reshape(-1, table.shape[3])
     theta_h, theta_d, phi_d = half_difference(components(wi), components(wo), NUMPY)
-    half = _between_centres(np.sqrt(theta_h / (np.pi / 2)), shape[0])
-    difference = _between_centres(theta_d / (np.pi / 2), shape[1])
-    turn = _between_centres(phi_d / np.pi, shape[2], periodic=True)
+    places = np.sqrt(theta_h / (np.pi / 2)), theta_d / (np.pi / 2), phi_d / np.pi
+    positions = [place * bins - 0.5 for place, bins in zip(places, shape, strict=True)]
+    positions[:2] = (np.clip(x, 0, n - 1) for x, n in zip(positions, shape[:2], strict=False))
+    lower = [np.floor(position).astype(np.intp) for position in positions]
+    shares = [position - low for position, low in zip(positions, lower, strict=True)]
     result = np.zeros((len(wi), table.shape[3]))
-    for i, weight_i in half:
-        for j, weight_j in difference:
-            for k, weight_k in turn:
-                weight = weight_i * weight_j * weight_k
-                bins = (i * shape[1] + j) * shape[2] + k
-                result += weight[:, None] * rows[bins]
+    for corner in np.ndindex(2, 2, 2):
+        i, j, k = (low + step for low, step in zip(lower, corner, strict=True))
+        bins = np.ravel_multi_index((i, j, k), shape, ("clip", "clip", "wrap"))
+        weight = math.prod(x if step else 1 - x for x, step in zip(shares, corner, strict=True))
+        result += weight[:, None] * rows[bins]
     return result
-
-
-def _between_centres(
-    u: np.ndarray, bins: int, *, periodic: bool = False
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the two bins whose centres enclose u in [0, 1], each with its linear weight."""
-    position = u * bins - 0.5
-    if not periodic:
-        position = np.clip(position, 0, bins - 1)
-    lower = np.floor(position).astype(np.intp)
-    weight = position - lower
-    upper = lower + 1
-    if periodic:
-        lower, upper = lower % bins, upper % bins
-    else:
-        upper = np.minimum(upper, bins - 1)
-    return [(lower, 1 - weight), (upper, weight)]
 
 
 def tabulated(f: Callable[[np.ndarray, np.ndarray], np.ndarray], shape: Shape) -> np.ndarray:
@@ -165,46 +164,35 @@ def fill_nearest(values: np.ndarray, valid: np.ndarray) -> None:
     without valid bins takes the nearest filled slice.
 
     Args:
-        values: (theta_h, theta_d, phi_d, channels).
+        values: contiguous (theta_h, theta_d, phi_d, channels).
         valid: bool (theta_h, theta_d, phi_d), at least one true.
     """
-    for slice_values, slice_valid in zip(values, valid, strict=True):
-        usable = slice_valid.copy()
-        while usable.any() and not usable.all():
-            _fill_once(slice_values, usable)
-    empty = ~valid.any(axis=(1, 2))
-    if empty.any():
-        filled = np.flatnonzero(~empty)
-        for i in np.flatnonzero(empty):
-            values[i] = values[filled[np.argmin(np.abs(filled - i))]]
+    empty = np.logical_not(valid.any(axis=(1, 2)))
+    usable = valid | empty[:, None, None]
+    while not usable.all():
+        usable = _filled_once(values, usable)
+    full = np.flatnonzero(~empty)
+    for i in np.flatnonzero(empty):
+        values[i] = values[full[np.argmin(np.abs(full - i))]]
 
 
-def _fill_once(values: np.ndarray, usable: np.ndarray) -> None:
-    """Fill the bins of a slice (theta_d, phi_d) with a usable bin in their row or column.
-
-    usable: bool (theta_d, phi_d); is updated in place.
-    """
-    count = usable.shape[1]
-    in_column, column_distance = _nearest(usable)
-    wrapped, row_distance = _nearest(np.tile(usable, (1, 3)).T)  # three periods
-    in_row = wrapped.T[:, count : 2 * count] % count
-    row_distance = row_distance.T[:, count : 2 * count]
-    by_row = row_distance <= column_distance
-    found = ~usable & np.isfinite(np.minimum(row_distance, column_distance))
-    j, k = np.nonzero(found)
-    source_j = np.where(by_row[j, k], j, in_column[j, k])
-    source_k = np.where(by_row[j, k], in_row[j, k], k)
-    values[j, k] = values[source_j, source_k]
-    usable[j, k] = True
-
-
-def _nearest(usable: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Index of the nearest usable entry along axis 0, and its distance (infinite if none is)."""
-    count = len(usable)
-    index = np.broadcast_to(np.arange(count)[:, None], usable.shape)
-    before = np.maximum.accumulate(np.where(usable, index, -3 * count), axis=0)
-    after = np.minimum.accumulate(np.where(usable, index, 3 * count)[::-1], axis=0)[::-1]
-    nearest = np.where(index - before <= after - index, before, after)
-    distance = np.abs(nearest - index).astype(np.float64)
-    missing = distance > count
-    return np.where(missing, 0, nearest), np.where(missing, np.inf, distance)
+def _filled_once(values: np.ndarray, usable: np.ndarray) -> np.ndarray:
+    """Fill bins in place that have a usable one in their row or column; returns all usable ones."""
+    _, rows, columns = usable.shape
+    reachable = usable.any(axis=1, keepdims=True) | usable.any(axis=2, keepdims=True)
+    flat, missing = values.reshape(usable.size, -1), np.flatnonzero(reachable & ~usable)
+    for distance in range(1, max(rows, columns)):
+        j, k = np.divmod(missing % (rows * columns), columns)
+        sources = np.stack(  # in a row, then in a column, whose last bins stand for what is beyond
+            [
+                missing - k + (k - distance) % columns,
+                missing - k + (k + distance) % columns,
+                missing - np.minimum(distance, j) * columns,
+                missing + np.minimum(distance, rows - 1 - j) * columns,
+            ]
+        )
+        hits = usable.take(sources)
+        found = hits.any(axis=0)
+        flat[missing[found]] = flat[sources[hits.argmax(axis=0), np.arange(len(j))][found]]
+        missing = missing[~found]
+    return usable | reachable

@@ -18,7 +18,12 @@ import drjit as dr
 
 from urushi.walk import interface
 from urushi.walk.interface import flip
-from urushi.walk.medium import Media
+from urushi.walk.medium import Medium
+
+
+def select(mask: Any, a: Any, b: Any) -> Any:
+    """Per lane, the tuple `a` where the mask is set and `b`, of the same type, elsewhere."""
+    return type(a)(*(dr.select(mask, x, y) for x, y in zip(a, b, strict=True)))
 
 
 class ExitPath(NamedTuple):
@@ -42,7 +47,7 @@ class ExitPath(NamedTuple):
 class ExitPaths:
     """The chain through all layers of a stack, and the scattering of its topmost interface."""
 
-    def __init__(self, layers: Any, media: Media, wo: Any, rng: Any) -> None:
+    def __init__(self, layers: Any, wo: Any, rng: Any) -> None:
         self._wo = wo
         self._alpha, self._eta = layers.interface(dr.uint32_array_t(type(wo.z))(0))
         self._of_layer: list[ExitPath] = []
@@ -59,7 +64,7 @@ class ExitPaths:
             pdf = dr.select(eta == 1, dr.inf, pdf)
             if index > 0:
                 above = self._of_layer[-1]
-                crossed = media.at(index_type(index - 1))
+                crossed = Medium.of(layers, index_type(index - 1))
                 weight = weight * crossed.transmittance(type(wo.z)(1), above.direction.z)
                 # b: the density with which a walk that rises from inside continues outside.
                 _, ratio = interface.scatter(flip(inside), flip(outside), alpha, 1 / eta)
@@ -78,8 +83,7 @@ class ExitPaths:
         """The chain above a vertex in `layer`, which may vary per lane."""
         result = self._of_layer[0]
         for index, path in enumerate(self._of_layer[1:], start=1):
-            here = layer == index
-            result = ExitPath(*(dr.select(here, a, b) for a, b in zip(path, result, strict=True)))
+            result = select(layer == index, path, result)
         return result
 
     def through_top(self, w: Any) -> tuple[Any, Any]:

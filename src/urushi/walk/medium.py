@@ -43,6 +43,20 @@ class Medium(NamedTuple):
     deep: Any  # whether there is a sheet
     passed: Any  # the share of light that the sheet transmits, the rest is reflected
 
+    @classmethod
+    def of(cls, layers: Any, layer: Any) -> "Medium":
+        """The medium of a layer, which may vary per lane."""
+        albedo, sigma_t, g = layers.medium(layer)
+        scatters = dr.minimum(spectral_mis.greatest(albedo) / ROULETTE_THRESHOLD, 1)
+        reduced = 1 - dr.maximum(g, 0)
+        deep = (spectral_mis.least(albedo) >= 1) & (spectral_mis.least(sigma_t * reduced) > DEEP)
+        kept = 2 * KEPT / reduced
+        # Two diffusers in series with half-spaces of the medium: each half-space adds its distance
+        # MILNE, each Lambertian surface 2/3.
+        resistance = 0.75 * (1 - g) * (sigma_t - kept) + 1 - 1.5 * MILNE
+        passed = dr.select(deep, 1 / (1 + resistance), 1)
+        return cls(albedo, dr.select(deep, kept, sigma_t), g, scatters, deep, passed)
+
     def transmittance(self, depth: Any, cos_theta: Any) -> Any:
         """Beer's law from `depth` to the top of the layer; nothing passes a sheet unscattered."""
         direct = dr.exp(-self.sigma_t * (depth / cos_theta))
@@ -52,31 +66,6 @@ class Medium(NamedTuple):
         """The depth at which a flight from `depth` without a collision ends."""
         middle = self.deep & dr.select(down, depth < SHEET_DEPTH, depth > SHEET_DEPTH)
         return dr.select(middle, SHEET_DEPTH, dr.select(down, type(depth)(1), 0))
-
-
-def of(albedo: Any, sigma_t: Any, g: Any) -> Medium:
-    """The medium with these parameters, floats or colours."""
-    scatters = dr.minimum(spectral_mis.greatest(albedo) / ROULETTE_THRESHOLD, 1)
-    reduced = 1 - dr.maximum(g, 0)
-    deep = (spectral_mis.least(albedo) >= 1) & (spectral_mis.least(sigma_t * reduced) > DEEP)
-    kept = 2 * KEPT / reduced
-    # Two diffusers in series with half-spaces of the medium: each half-space adds its distance
-    # MILNE, each Lambertian surface 2/3.
-    resistance = 0.75 * (1 - g) * (sigma_t - kept) + 1 - 1.5 * MILNE
-    passed = dr.select(deep, 1 / (1 + resistance), 1)
-    return Medium(albedo, dr.select(deep, kept, sigma_t), g, scatters, deep, passed)
-
-
-class Media:
-    """The media of a stack's layers. A single layer's medium is computed once, outside of loops."""
-
-    def __init__(self, layers: Any, index_type: type) -> None:
-        self._layers = layers
-        self._single = of(*layers.medium(index_type(0))) if layers.count == 1 else None
-
-    def at(self, layer: Any) -> Medium:
-        """The medium of a layer, which may vary per lane."""
-        return self._single or of(*self._layers.medium(layer))
 
 
 def hg(cos_theta, g, xp=DRJIT):

@@ -88,11 +88,8 @@ def simulate(
             f += Compensation.of_stack(stack).f(wi, wo).astype(np.float32)
         return f, se
 
-    def scattered(coats: Any, lowest: Reflector, wi: Any, wo: Any, rng: Any) -> Any:
-        return slabs.estimate(coats, lowest, wi, wo, rng, type(wi.z), True)
-
     f, se = per_channel(
-        stack, (wi, wo), lambda table, row, *w: average(table, row, w, scattered, **options)
+        stack, (wi, wo), lambda table, row, *w: average(table, row, w, slabs.estimate, **options)
     )
     if mode == "radiance":
         side = np.sign(wi[:, 2:]) - np.sign(wo[:, 2:])  # 2: down through the slab, -2: up
@@ -117,11 +114,8 @@ def walk_pairs(
     Returns:
         (f, se): float32 (M,), mean [1/sr] and standard error.
     """
-
-    def estimate(layers: Any, bottom: Bottom, wi: Any, wo: Any, rng: Any) -> Any:
-        return walk.estimate(layers, bottom, wi, wo, rng, type(wi.z))
-
-    mean, se = average(table, row, (wi, wo), estimate, walks=walks, seed=seed, progress=progress)
+    options: dict[str, Any] = dict(walks=walks, seed=seed, progress=progress)
+    mean, se = average(table, row, (wi, wo), walk.estimate, **options)
     mean += top_reflection(table, row, wi, wo)
     return mean.astype(np.float32), se.astype(np.float32)
 
@@ -206,7 +200,7 @@ def _reflected(layers: Any, bottom: Bottom, wi: Any, rng: Any, entry: Bottom | N
     wo = mixture.sample(about, choice, u)
     pdf = mixture.pdf(about, wo)
     valid = lit & (wo.z > 0) & (pdf > 0)
-    f = walk.estimate(layers, bottom, wi, wo, rng, type(wi.z), valid, entry)
+    f = walk.estimate(layers, bottom, wi, wo, rng, active=valid, entry=entry)
     f += walk.top_reflection(layers, wi, wo)
     return dr.select(valid, f * wo.z / pdf, 0)
 

@@ -78,9 +78,15 @@ def straight(wi: Any, eta: Any, xp: Namespace = DRJIT) -> Any:
 
 
 def estimate(
-    coats: walk.Layers, lowest: Reflector, wi: Any, wo: Any, rng: Any, color: type, active: Any
+    coats: walk.Layers,
+    lowest: Reflector,
+    wi: Any,
+    wo: Any,
+    rng: Any,
+    color: type | None = None,
+    active: Any = True,
 ) -> Any:
-    """One walk's estimate of f(wi, wo) [1/sr] of a slab, of importance, of type `color`.
+    """One walk's estimate of f(wi, wo) [1/sr] of a slab, of importance.
 
     lowest: the interface under the coats. wi, wo: on either side. The other arguments are those of
     `urushi.walk.walk.estimate`.

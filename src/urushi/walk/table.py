@@ -1,5 +1,6 @@
 """Many monochrome stacks of one shape as arrays, from which each lane of a walk reads one row."""
 
+import functools
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,7 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi.checks import CoatParameters, Widths
+from urushi.core.microfacet import of_widths
 from urushi.errors import ParameterError
+from urushi.walk import spectral_mis
 from urushi.walk.bottoms import KINDS, Bottom, Description
 from urushi.walk.bottoms.bottom import numbers_of
 from urushi.walk.stack import Coat, Stack
@@ -38,11 +41,7 @@ class StackTable:
                 f"a table of '{self.kind}' bottoms needs the parameters {', '.join(names)}"
             )
         for name in CoatParameters._fields:
-            value = getattr(self, name)
-            if isinstance(value, Widths):
-                value = Widths(*map(self._coat_column, ("alpha_u", "alpha_v"), (value.u, value.v)))
-            else:
-                value = self._coat_column(name, value)
+            value = of_widths(functools.partial(self._coat_column, name), getattr(self, name))
             object.__setattr__(self, name, value)
         columns = {name: _column(values) for name, values in self.bottom.items()}
         if any(v.shape != (len(self),) for v in columns.values()):
@@ -104,32 +103,19 @@ class TableLayers:
     def __init__(self, types: Any, table: StackTable, row: Any) -> None:
         self.count = table.coats
         self._row = row * self.count
-        columns = {name: getattr(table, name) for name in CoatParameters._fields}
-        self._anisotropic = isinstance(table.alpha, Widths)
-        if isinstance(table.alpha, Widths):
-            del columns["alpha"]
-            columns |= {"alpha_u": table.alpha.u, "alpha_v": table.alpha.v}
-        self._columns = {name: types.Float(array.ravel()) for name, array in columns.items()}
-        self._float = types.Float
-        if self.count == 1:  # read each parameter once, outside of the walk's loop
-            self._cached = {name: self._gather(name, row) for name in self._columns}
+        coats = CoatParameters(*(getattr(table, name) for name in CoatParameters._fields))
+        columns = [types.Float(column.ravel()) for column in coats.columns()]
+        self._columns = CoatParameters.of_columns(columns)
 
-    def _gather(self, name: str, index: Any) -> Any:
-        return dr.gather(self._float, self._columns[name], index)
-
-    def _read(self, index: Any, *names: str) -> tuple[Any, ...]:
-        if self.count == 1:
-            return tuple(self._cached[name] for name in names)
-        return tuple(self._gather(name, self._row + index) for name in names)
+    def _read(self, index: Any, column: Any) -> Any:
+        place = self._row + index
+        return of_widths(lambda x: dr.gather(type(x), x, place), column)
 
     def interface(self, index: Any) -> tuple[Any, Any]:
-        if self._anisotropic:
-            *alphas, eta = self._read(index, "alpha_u", "alpha_v", "eta")
-            return Widths(*alphas), eta
-        return self._read(index, "alpha", "eta")
+        return self._read(index, self._columns.alpha), self._read(index, self._columns.eta)
 
-    def medium(self, index: Any) -> tuple[Any, Any, Any]:
-        return self._read(index, "albedo", "sigma_t", "g")
+    def medium(self, index: Any) -> tuple[Any, ...]:
+        return tuple(self._read(index, column) for column in self._columns[2:])
 
 
 class ChannelBottom:
@@ -139,18 +125,13 @@ class ChannelBottom:
         self._brdf = brdf
         self._row = row
 
-    def _channel(self, value: Any) -> Any:
-        if dr.size_v(type(value)) != 3 or dr.depth_v(type(value)) < 2:
-            return value
-        return dr.select(self._row == 0, value[0], dr.select(self._row == 1, value[1], value[2]))
-
     def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
         f, pdf = self._brdf.f_pdf(wi, wo)
-        return self._channel(f), pdf
+        return spectral_mis.of_hero(f, self._row), pdf
 
     def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
         wo, weight, pdf = self._brdf.sample(wi, u0, u1, u2)
-        return wo, self._channel(weight), pdf
+        return wo, spectral_mis.of_hero(weight, self._row), pdf
 
 
 def table_bottom(types: Any, table: StackTable, row: Any) -> Bottom:

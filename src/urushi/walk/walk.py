@@ -25,9 +25,9 @@ import drjit as dr
 from urushi.core.directions import from_cosine, square_to_cosine_hemisphere
 from urushi.walk import interface, spectral_mis
 from urushi.walk.bottoms import Bottom
-from urushi.walk.exits import ExitPath, ExitPaths
+from urushi.walk.exits import ExitPath, ExitPaths, select
 from urushi.walk.interface import flip
-from urushi.walk.medium import ROULETTE_THRESHOLD, SHEET_DEPTH, Media, Medium, hg, sample_hg_cosine
+from urushi.walk.medium import ROULETTE_THRESHOLD, SHEET_DEPTH, Medium, hg, sample_hg_cosine
 
 
 class Layers(Protocol):
@@ -70,31 +70,31 @@ def estimate(
     wi: Any,
     wo: Any,
     rng: Any,
-    color: type,
+    color: type | None = None,
     active: Any = True,
     entry: Bottom | None = None,
 ) -> Any:
-    """One walk's estimate of f(wi, wo) [1/sr] of type `color`, top reflection excluded.
+    """One walk's estimate of f(wi, wo) [1/sr], top reflection excluded.
 
     Args:
         layers: the coats.
         bottom: the BRDF under the lowest medium.
         wi, wo: unit directions, Dr.Jit 3-vectors; the estimate is 0 below the horizon.
         rng: a Dr.Jit PCG32 of independent streams per lane.
-        color: the Dr.Jit type of throughputs: a float or a colour of the same backend.
+        color: the Dr.Jit type of throughputs and of the result: a colour; None: a float.
         active: mask of lanes that walk.
         entry: the transmission of the bottom to wo above from wi below, where walks start with it;
             None: the bottom is opaque.
     """
     scalar, vector = type(wi.z), type(wi)
+    color = color or scalar
     index_type = dr.uint32_array_t(scalar)
     hero = spectral_mis.pick(color, rng.next_float32())
     alpha, eta = layers.interface(index_type(0))
     w, weight = interface.sample_transmission(
         wi, alpha, eta, rng.next_float32(), rng.next_float32()
     )
-    media = Media(layers, index_type)
-    exits = ExitPaths(layers, media, wo, rng)
+    exits = ExitPaths(layers, wo, rng)
 
     state = {
         "active": active & (weight > 0) & (wi.z > 0) & (wo.z > 0),
@@ -110,37 +110,25 @@ def estimate(
     }
     if entry is not None:
         below = active & (wi.z < 0) & (wo.z > 0)
-        enter(state, layers, media, entry, exits, wi, below)
+        enter(state, layers, entry, exits, wi, below)
 
-    def body(*values: Any) -> tuple[Any, ...]:
-        s = dict(zip(state, values, strict=True))
-        advance(s, layers, media, bottom, exits, hero)
-        return tuple(s.values())
-
-    values = dr.while_loop(
-        state=tuple(state.values()),
-        cond=lambda *values: values[0],
-        body=body,
-        labels=tuple(state),
+    (state,) = dr.while_loop(
+        state=(state,),
+        cond=lambda s: s["active"],
+        body=lambda s: (advance(s, layers, bottom, exits, hero),),
         label="layered walk",
     )
-    return dict(zip(state, values, strict=True))["result"]
+    return state["result"]
 
 
 def enter(
-    s: dict[str, Any],
-    layers: Layers,
-    media: Media,
-    entry: Bottom,
-    exits: ExitPaths,
-    wi: Any,
-    below: Any,
+    s: dict[str, Any], layers: Layers, entry: Bottom, exits: ExitPaths, wi: Any, below: Any
 ) -> None:
     """Start the walks of the lanes `below` at the bottom: its transmission is their first event."""
     lowest = type(s["layer"])(layers.count - 1)
     path = exits.at(lowest)
     start = {"w": -wi, "throughput": type(s["throughput"])(1)}
-    visible = media.at(lowest).transmittance(type(s["depth"])(1), path.direction.z)
+    visible = Medium.of(layers, lowest).transmittance(type(s["depth"])(1), path.direction.z)
     u = s["rng"].next_float32(), s["rng"].next_float32(), s["rng"].next_float32()
     first = bottom_event(start, entry, visible, path, u)
     s["active"] |= below & (spectral_mis.greatest(first.throughput) > 0)
@@ -157,13 +145,13 @@ def top_reflection(layers: Layers, wi: Any, wo: Any) -> Any:
 
 
 def advance(
-    s: dict[str, Any], layers: Layers, media: Media, bottom: Bottom, exits: ExitPaths, hero: Any
-) -> None:
+    s: dict[str, Any], layers: Layers, bottom: Bottom, exits: ExitPaths, hero: Any
+) -> dict[str, Any]:
     """One step of the walk: fly to the next vertex, connect to wo, scatter, play roulette."""
     rng, color = s["rng"], type(s["throughput"])
     active = dr.mask_t(s["depth"])(s["active"])
     down = s["w"].z < 0
-    here = media.at(s["layer"])
+    here = Medium.of(layers, s["layer"])
     path = exits.at(s["layer"])
     place, in_medium = fly(s, here, down, hero)
     visible = here.transmittance(s["depth"], path.direction.z)
@@ -176,10 +164,10 @@ def advance(
     inside, ratio = medium_event(s["w"], here, place, at_sheet, path, hero, u)
     top = top_event(s, exits, u)
     low = bottom_event(s, bottom, visible, path, u)
-    chosen = select_event(at_top, top, low)
+    chosen = select(at_top, top, low)
     if layers.count > 1:
         inner = at_boundary & ~at_top & ~at_bottom
-        chosen = select_event(inner, inner_event(s, layers, media, exits, down, u), chosen)
+        chosen = select(inner, inner_event(s, layers, exits, down, u), chosen)
         below = dr.select(down, s["layer"] + 1, s["layer"])
         rising = chosen.direction.z > 0
         s["layer"] = dr.select(inner, dr.select(rising, below - 1, below), s["layer"])
@@ -192,7 +180,7 @@ def advance(
     scatters = in_medium | at_sheet
     connects = scatters | ((here.scatters < 1) & (spectral_mis.greatest(here.sigma_t) > 0))
     s["result"] += dr.select(active & connects, color(inside.contribution) / mean, 0)
-    chosen = select_event(scatters, inside, chosen)
+    chosen = select(scatters, inside, chosen)
     if hero is not None:
         s["spectral"] *= dr.select(scatters, ratio, 1)
     mean = spectral_mis.mean(s["spectral"], hero)
@@ -200,6 +188,7 @@ def advance(
     survival = dr.minimum(spectral_mis.greatest(chosen.throughput) / (mean * ROULETTE_THRESHOLD), 1)
     s["throughput"] = dr.select(survival > 0, chosen.throughput / survival, 0)
     s["active"] = active & (rng.next_float32() < survival) & (s["w"].z != 0)
+    return s
 
 
 def fly(s: dict[str, Any], here: Medium, down: Any, hero: Any) -> tuple[Place, Any]:
@@ -241,12 +230,7 @@ def fly(s: dict[str, Any], here: Medium, down: Any, hero: Any) -> tuple[Place, A
     for name in ("depth", "throughput", "spectral"):
         s[name] = dr.select(scatters, getattr(place, name), getattr(ended, name))
     at_end = ~scatters & here.deep  # the end may be a sheet
-    return Place(*(dr.select(at_end, a, b) for a, b in zip(ended, place, strict=True))), scatters
-
-
-def select_event(mask: Any, a: Event, b: Event) -> Event:
-    """Per lane, event `a` where the mask is set and `b` elsewhere."""
-    return Event(*(dr.select(mask, x, y) for x, y in zip(a, b, strict=True)))
+    return select(at_end, ended, place), scatters
 
 
 def medium_event(
@@ -299,9 +283,7 @@ def bottom_event(s: dict[str, Any], bottom: Bottom, visible: Any, path: ExitPath
     return Event(contribution, direction, s["throughput"] * weight, pdf, type(pdf)(0))
 
 
-def inner_event(
-    s: dict[str, Any], layers: Layers, media: Media, exits: ExitPaths, down: Any, u: Any
-) -> Event:
+def inner_event(s: dict[str, Any], layers: Layers, exits: ExitPaths, down: Any, u: Any) -> Event:
     """An interface between two media, from either side. It connects along the chain above it."""
     index = dr.clip(dr.select(down, s["layer"] + 1, s["layer"]), 1, layers.count - 1)
     above = index - 1
@@ -318,7 +300,7 @@ def inner_event(
     path = exits.at(above)
     outgoing = dr.select(down, path.direction, flip(path.direction))
     f, pdf = interface.scatter(incident, outgoing, alpha, eta)
-    visible = media.at(above).transmittance(type(f)(1), path.direction.z)
+    visible = Medium.of(layers, above).transmittance(type(f)(1), path.direction.z)
     connected = s["throughput"] * f * visible * path.weight
     contribution = connected * path.mis(pdf, ratios_below(path.direction))
     direction, weight, pdf = interface.sample(incident, alpha, eta, *u)
