@@ -9,7 +9,7 @@ import mitsuba as mi
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.probing import known_surface
 from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
 from urushi.openpbr_surface import formulas, model
 from urushi.openpbr_surface.compensation import Compensation

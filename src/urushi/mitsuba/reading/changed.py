@@ -11,7 +11,6 @@ import numpy.typing as npt
 from urushi.core.direction_sets import cosine_pairs
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import NORMALS, nested_objects
-from urushi.mitsuba.reading.known import GGX
 from urushi.mitsuba.reading.textures import derived
 from urushi.mitsuba.recording import Recorded
 from urushi.mitsuba.surface import bsdf_of, surface_of
@@ -147,7 +146,7 @@ def _rebuilt(bsdf: "mi.BSDF", change: Callable, others: Mapping[str, Any] | None
     if "int_ior" in given:
         given["ext_ior"] = 1.0
     if "alpha" in given or "alpha_u" in given:
-        given["distribution"] = "ggx" if GGX in text else "beckmann"
+        given["distribution"] = "ggx" if probing.GGX in text else "beckmann"
         given["sample_visible"] = "sample_visible = 0" not in text
     if plugin == "roughplastic":
         given["nonlinear"] = NONLINEAR in text

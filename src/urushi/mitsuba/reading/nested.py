@@ -13,8 +13,8 @@ from urushi.checks import AIR, MIN_ALPHA, MIN_INDEX_STEP, Widths
 from urushi.errors import ParameterError
 from urushi.mitsuba.properties import describe
 from urushi.mitsuba.reading.grid import nested_objects, varies
-from urushi.mitsuba.reading.known import GGX, known_surface
 from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.mitsuba.reading.probing import GGX, known_surface
 from urushi.mitsuba.recording import opaque
 
 #: Classes of Mitsuba's dielectrics, and their plugins.

@@ -28,7 +28,7 @@ from urushi.mitsuba.reading.bottoms import (
 )
 from urushi.mitsuba.reading.changed import relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv
-from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.probing import known_surface
 from urushi.mitsuba.reading.textures import derived
 from urushi.mitsuba.reading.varying import BOTTOM, INSIDE, NANOMETRES, WAVELENGTH
 from urushi.nets.weights import Model
