@@ -117,7 +117,7 @@ class NeuralSlab(CoatedSurface):
         """
         si, found = dr.zeros(mi.SurfaceInteraction3f), []
         for level, coat in enumerate(self.coats):
-            for name, numbers in coat.channels(si).items():
+            for name, numbers in coat.at(si).items():
                 if dr.grad_enabled(numbers):
                     found.append((level, name, numbers))
         wrong = has_gradients(self) and not found

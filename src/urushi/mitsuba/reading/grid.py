@@ -19,9 +19,10 @@ NORMALS = {"NormalMap": "normalmap", "BumpMap": "bumpmap"}
 FIRST = 64
 
 
-def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
-    """The textures that depend on the position, anywhere in a scene object."""
-    return [node for node in within(root) if isinstance(node, mi.Texture) and varies(node)]
+def varying_textures(*roots: "mi.Object") -> list["mi.Texture"]:
+    """The textures that depend on the position, anywhere in scene objects."""
+    nodes = [node for root in roots for node in within(root)]
+    return [node for node in nodes if isinstance(node, mi.Texture) and varies(node)]
 
 
 def varies(texture: "mi.Texture") -> bool:
@@ -60,9 +61,9 @@ def check_nodes(node: "mi.Object", where: str) -> None:
                 )
 
 
-def not_over_uv(root: "mi.Object") -> str | None:
-    """Description of a texture in a scene object that is not a function of uv, or None."""
-    names = [texture.class_name() for texture in varying_textures(root)]
+def not_over_uv(*roots: "mi.Object") -> str | None:
+    """Description of a texture in scene objects that is not a function of uv, or None."""
+    names = [texture.class_name() for texture in varying_textures(*roots)]
     return next((ELSEWHERE[name] for name in names if name in ELSEWHERE), None)
 
 

@@ -26,10 +26,10 @@ from urushi.mitsuba.reading.bottoms import (
     probed_codes,
     probed_tables,
 )
-from urushi.mitsuba.reading.changed import relative_to, replaced
+from urushi.mitsuba.reading.changed import derived, relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv
+from urushi.mitsuba.reading.parameters import Medium
 from urushi.mitsuba.reading.probing import known_surface
-from urushi.mitsuba.reading.textures import derived
 from urushi.mitsuba.reading.varying import BOTTOM, INSIDE, NANOMETRES, WAVELENGTH
 from urushi.nets.weights import Model
 from urushi.textures.axes import Varying
@@ -165,17 +165,19 @@ class BottomRows:
             elif x.axis.name not in (INDEX, INSIDE):  # a number: it changes in all rows alike
                 numbers[x.axis.name.removeprefix(BOTTOM)] = x.axis.least + rows[x.axis.name][0]
         coat, nested = self._layer.coat, self._layer.nested
+        medium: Medium = coat
         if INDEX in self._names:
             constant = any(x.axis.name == INDEX and x.changes for x in self._varying)
-            coat = coat.of_index(texels(rows[INDEX] + (coat.eta if constant else 0)))
+            index = texels(rows[INDEX] + (coat.eta if constant else 0))
+            medium = Medium(coat.index_above, index)
         elif INSIDE in self._names:
             (own,) = (x for x in self._varying if x.axis.name == INSIDE)
             start = own.axis.least if own.changes else 0.0
-            coat = coat.of_index_in_air(texels(rows[INSIDE] + start))
+            medium = Medium(1.0, texels(rows[INSIDE] + start))
         if not (textures or numbers):
-            return self._layer.below if coat is self._layer.coat else relative_to(nested, coat)
+            return self._layer.below if medium is coat else relative_to(nested, medium)
         found = replaced(nested, lambda x: textures.get(id(x), x), numbers)
-        return None if found is None else relative_to(found, coat)
+        return None if found is None else relative_to(found, medium)
 
     def substrate(
         self, values: Mapping[str, np.ndarray], channels: int
