@@ -77,6 +77,8 @@ class CoatedSurface(Coated):
 
     def _load(self, props):
         super()._load(props)
+        for name in ("resolution", "weights"):  # Mitsuba refuses properties that nobody reads
+            props.get(name, None)
         self._inner = bool(props.get("inner", False))  # whether a slab is a part of another
         if is_dielectric(self._nested):
             check_dielectric(self._nested, self._coat.where)

@@ -22,7 +22,6 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.plugins.coated import CoatedSurface
 from urushi.mitsuba.plugins.stack import CoatStack, width
-from urushi.mitsuba.properties import ignore
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.recording import only_where, opaque, owned
 from urushi.mitsuba.snapshot import has_gradients
@@ -66,25 +65,16 @@ def _lobes(tables: SlabTables) -> np.ndarray:
 class NeuralSlab(CoatedSurface):
     """A slab of constant parameters; see ``layered``."""
 
-    def _load(self, props):
-        super()._load(props)
-        ignore(props, "resolution", "weights")
-        self._tabulate()
-
-    def _update(self, keys):
-        super()._update(keys)
-        self._tabulate()
-
-    def _tabulate(self):
+    def _prepare(self):
         """Compute the tables."""
+        super()._prepare()
         reason, coats = None, self.coats
         layers: list[Any] = [*coats] if self.lowest is None else [*coats, self.lowest]
         if any(x.is_anisotropic for x in layers) or any(x.coloured for x in coats):
             reason = "a slab has a table for one width of each interface"
-        for layer in layers:
-            for name, texture in layer.textures.items():
-                if varying_textures(texture):
-                    reason = f"{name} is a texture, but the tables of a slab are of constants"
+        for name, texture in (item for layer in layers for item in layer.textures.items()):
+            if varying_textures(texture):
+                reason = f"{name} is a texture, but the tables of a slab are of constants"
         if reason is not None:
             raise ParameterError(
                 f"{self._where}: {reason}; use the plugin 'layered', which walks through any"

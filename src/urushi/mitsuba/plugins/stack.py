@@ -26,7 +26,7 @@ from urushi.core.mixture import Mixture
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.mitsuba.reading.parameters import CoatTextures, alpha_of
 from urushi.mitsuba.recording import opaque
 from urushi.walk.bottoms.dielectric import Reflector
 
@@ -77,7 +77,7 @@ class BottomLobes:
     @property
     def alphas(self) -> list[Any]:
         """The widths of the two lobes, `Widths` of those that are anisotropic."""
-        return [alpha[0] if len(alpha) == 1 else Widths(*alpha) for alpha in self._alphas]
+        return [alpha_of(alpha) for alpha in self._alphas]
 
 
 def _cumulative(tangent: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

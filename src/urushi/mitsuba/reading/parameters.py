@@ -1,6 +1,7 @@
 """The parameters of `layered` and `neural_layered`: a coat's textures and the BSDF under it."""
 
 import copy
+from collections.abc import Sequence
 from typing import Any
 
 import drjit as dr
@@ -96,15 +97,13 @@ class CoatTextures(Medium):
         medium = LOOK if "color" in defaults else PHYSICAL
         alpha, u, v = (props.get(n, None) for n in ("alpha", *TWO_WIDTHS))
         chosen = checks.widths(alpha, u, v, f"{self.where}:", DEFAULTS["alpha"])
-        widths = TWO_WIDTHS if isinstance(chosen, Widths) else ("alpha",)
-        names = [*widths, *medium, "g", *(n for n in NUMBERS if n in props)]
-        colours = tuple(name for name in ("alpha", *TWO_WIDTHS) if _is_colour(props, name))
+        self.widths = TWO_WIDTHS if isinstance(chosen, Widths) else ("alpha",)
+        names = [*self.widths, *medium, "g", *(n for n in NUMBERS if n in props)]
         # Widths given as colours or spectra; monochromatic variants read them as numbers.
-        self.coloured = () if mi.is_monochromatic else colours
-        self.textures = {  # by the properties' names
-            name: self._texture(props, name, defaults.get(name, 1.5), name in colours)
-            for name in names
-        }
+        colours = (name for name in self.widths if _is_colour(props, name))
+        self.coloured = () if mi.is_monochromatic else tuple(colours)
+        # By the properties' names
+        self.textures = {n: self._texture(props, n, defaults.get(n, 1.5)) for n in names}
         self.compensated = switch_of(props, "energy_compensation")
         self.above: Medium | None = None  # whose medium lies above in place of `ext_ior`
         self._given = "ext_ior" in props
@@ -176,7 +175,7 @@ class CoatTextures(Medium):
             evaluate = texture.eval if name in self.coloured else texture.eval_1
             return evaluate(si, active)
 
-        alpha = Widths(*map(width, TWO_WIDTHS)) if self.is_anisotropic else width("alpha")
+        alpha = alpha_of([*map(width, self.widths)])
         g = textures["g"].eval(si, active)
         if "color" in textures:
             look = (textures[name].eval(si, active) for name in LOOK)
@@ -190,8 +189,7 @@ class CoatTextures(Medium):
     @property
     def names(self) -> tuple[str, ...]:
         """The parameters of `at`."""
-        widths = TWO_WIDTHS if self.is_anisotropic else ("alpha",)
-        return (*widths, *CoatParameters._fields[1:])
+        return (*self.widths, *CoatParameters._fields[1:])
 
     def at(self, si, active=True) -> dict[str, list]:
         """The coat at a surface interaction by name; if anisotropic, `TWO_WIDTHS` for alpha.
@@ -228,14 +226,13 @@ class CoatTextures(Medium):
         found = {n: x.T.astype(np.float64).round(6) for n, x in self.numbers(uv).items()}
         eta = found.pop("eta")
         eta = np.where(np.abs(eta - 1) < MIN_INDEX_STEP, 1, eta)
-        names = TWO_WIDTHS if self.is_anisotropic else ("alpha",)
-        alpha = [np.maximum(found.pop(name), MIN_ALPHA) for name in names]
-        return CoatParameters(alpha[0] if len(alpha) == 1 else Widths(*alpha), eta, **found)
+        alpha = [np.maximum(found.pop(name), MIN_ALPHA) for name in self.widths]
+        return CoatParameters(alpha_of(alpha), eta, **found)
 
     @property
     def is_anisotropic(self) -> bool:
         """Whether the coat has the textures `alpha_u` and `alpha_v`."""
-        return "alpha_u" in self.textures
+        return len(self.widths) == 2
 
     @property
     def has_rotation(self) -> bool:
@@ -281,10 +278,8 @@ class CoatTextures(Medium):
             lines.append(f"  eta = {self.eta:g}")
         return ",\n".join(lines)
 
-    def _texture(
-        self, props: "mi.Properties", name: str, default: float, coloured_width: bool = False
-    ) -> "mi.Texture":
-        """A property as a texture; coloured_width: whether it is a width that may be a colour."""
+    def _texture(self, props: "mi.Properties", name: str, default: float) -> "mi.Texture":
+        """A property as a texture."""
         kind = props.type(name) if name in props else None
         if mi.is_spectral and kind == mi.Properties.Type.Color:
             color = [float(value) for value in props[name]]
@@ -303,12 +298,16 @@ class CoatTextures(Medium):
                 raise ParameterError(
                     f"{self.where}: {name} must be a number, a spectrum or a texture"
                 ) from error
-        is_number = name in ("alpha", *TWO_WIDTHS, *NUMBERS) and not coloured_width
-        if is_number and _is_colour(props, name):
+        if name in NUMBERS and _is_colour(props, name):
             raise ParameterError(
                 f"{self.where}: {name} must be a number or a texture; all channels share it"
             )
         return texture
+
+
+def alpha_of(widths: Sequence[Any]) -> Any:
+    """A width as it is, and two as `Widths`."""
+    return widths[0] if len(widths) == 1 else Widths(*widths)
 
 
 def _is_colour(props: "mi.Properties", name: str) -> bool:
