@@ -84,10 +84,9 @@ class NeuralSlab(CoatedSurface):
         far = self._lowest_at(CoatStack(coats, si, True), si, True)
         interfaces = [(*row.alpha.flat, *row.eta.flat) for row in rows]
         interfaces.append((float(far.alpha[0]), float(far.eta[0])))
-        media = [np.broadcast_arrays(*row[2:]) for row in rows]
-        channels = max(medium[0].size for medium in media)
-        columns = [[np.broadcast_to(x.ravel(), channels) for x in medium] for medium in media]
-        tables = slab_tables(np.array(interfaces), np.array(columns))
+        channels = max(x.size for row in rows for x in row[2:])
+        media = np.array([[np.broadcast_to(x.ravel(), channels) for x in row[2:]] for row in rows])
+        tables = slab_tables(np.array(interfaces), media)
         above, below = tables.reflected
         wanted = has_gradients(self)
         sides = (above, below) if wanted or above is not below else (above,)
@@ -98,7 +97,7 @@ class NeuralSlab(CoatedSurface):
         self._depths = [[opaque(x) for x in side] for side in tables.depths.tolist()]
         self._interreflection = tables.inner
         self._lobes = Interpolated(_lobes(tables))
-        self._attach(np.array(interfaces), np.array(columns))
+        self._attach(np.array(interfaces), media)
 
     def _attach(self, interfaces: np.ndarray, media: np.ndarray):
         """Add derivatives by albedo and sigma_t to the tables: differences of two slabs.

@@ -5,6 +5,7 @@ from functools import cache
 import mitsuba as mi
 
 from urushi.errors import ParameterError
+from urushi.mitsuba.snapshot import is_attached
 
 #: Classes of Mitsuba's textures that are not functions of uv, and their description in errors.
 ELSEWHERE = {
@@ -35,7 +36,7 @@ def varies(texture: "mi.Texture") -> bool:
     if not (texture.is_spatially_varying() and texture.class_name().startswith("BitmapTexture")):
         return texture.is_spatially_varying()
     data = mi.traverse(texture)["data"]
-    if data.array.index_ad:  # `dr.grad_enabled` is false where gradients are suspended
+    if is_attached(data):
         return True
     texels = data.numpy().reshape(-1, data.shape[-1])
     return any((part != texels[0]).any() for part in (texels[:FIRST], texels))
@@ -69,13 +70,7 @@ def not_over_uv(*roots: "mi.Object") -> str | None:
 
 def within(root: "mi.Object") -> list["mi.Object"]:
     """A scene object and all objects nested in it, each once."""
-    nodes, pending = {}, [root]
-    while pending:
-        node = pending.pop()
-        if id(node) not in nodes:
-            nodes[id(node)] = node
-            pending += nested_objects(node).values()
-    return list(nodes.values())
+    return list(mi.traverse(root).hierarchy)
 
 
 def nested_objects(node: "mi.Object") -> dict[str, "mi.Object"]:

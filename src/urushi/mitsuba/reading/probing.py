@@ -48,9 +48,6 @@ LEAST_AZIMUTHS = 6
 #: are averaged over fewer rotations than `symmetry.AZIMUTHS`.
 ANISOTROPIC_BUDGET = 1 << 32
 
-#: Greatest number of evaluations of a pair in one kernel.
-KERNEL_EVALUATIONS = 4
-
 #: The line of a BSDF's description that names its distribution, which it does not list
 #: among its parameters.
 GGX = "distribution = ggx"
@@ -143,8 +140,7 @@ def texel_values(
             a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
             channels = bsdf_channels(bsdf, interaction(a, where, float(repeat)), b)
             total = [x + y for x, y in zip(total, channels, strict=True)]
-            if count > KERNEL_EVALUATIONS:
-                dr.eval(total)
+            dr.eval(total)
         for channel, value in enumerate(total):
             values = np.broadcast_to((value / count).numpy(), len(part) * len(wi))
             part[:, channel] = values.reshape(len(part), len(wi))
