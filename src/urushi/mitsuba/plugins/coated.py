@@ -8,7 +8,6 @@ import mitsuba as mi
 
 from urushi import checks
 from urushi.errors import ParameterError
-from urushi.mitsuba import spectrum
 from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.stack import BottomLobes, CoatStack, MitsubaBottom
 from urushi.mitsuba.reading.changed import relative_to
@@ -167,8 +166,8 @@ class CoatedSurface(Coated):
                     bottom = MitsubaBottom(self.bottom, ctx, si, active, channel)
                 return self._model(coats, bottom, si, wo, color, active)
 
-            if not any(coat.coloured for coat in self.coats):
-                return mi.Spectrum(value(spectrum.color_type()))
+            if not (mi.is_monochromatic or any(coat.coloured for coat in self.coats)):
+                return mi.Spectrum(value(mi.Spectrum))
             # Every channel has a stack of its own.
             channels = range(dr.size_v(mi.Spectrum))
             return mi.Spectrum(*(value(mi.Float, channel) for channel in channels))

@@ -151,7 +151,7 @@ def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:
     kind = mi.UInt32(sample.sampled_type)
     through = mi.has_flag(kind, mi.BSDFFlags.Transmission) | mi.has_flag(kind, mi.BSDFFlags.Null)
     mirrored = mi.has_flag(kind, mi.BSDFFlags.DeltaReflection)
-    energy = sum(spectrum.to_channels(weight)) / len(weight)
+    energy = dr.mean(weight)
     energy = dr.select(dr.isfinite(energy), energy, 0)
     shares = [dr.mean(dr.select(which, energy, 0)).numpy() for which in (through, mirrored)]
     return float(shares[0][0]), float(shares[1][0])

@@ -199,7 +199,7 @@ class CoatTextures(Medium):
         alpha, *others = self.evaluate(si, mi.Bool(active))
         values = [*microfacet.pair(alpha)] if self.is_anisotropic else [alpha]
         return {
-            name: spectrum.to_channels(x) if dr.depth_v(x) > 1 else [x]
+            name: list(x) if dr.depth_v(x) > 1 else [x]
             for name, x in zip(self.names, [*values, *others], strict=True)
         }
 

@@ -99,9 +99,7 @@ def bsdf_values(
 
 def bsdf_channels(bsdf: "mi.BSDF", si, wo: "mi.Vector3f") -> list:
     """f [1/sr] of each channel of a BSDF at a surface interaction, as Dr.Jit floats."""
-    return spectrum.at_bands(
-        si, lambda: spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, wo) / wo.z)
-    )
+    return spectrum.at_bands(si, lambda: bsdf.eval(mi.BSDFContext(), si, wo) / wo.z)
 
 
 class Averaging(NamedTuple):
@@ -213,8 +211,8 @@ def known_surface(bsdf: "mi.BSDF") -> KnownSurface:
     while bsdf.class_name() == "TwoSidedBRDF":
         bsdf = nested_objects(bsdf)["brdf_0"]
     if bsdf.class_name() == "SmoothDiffuse":
-        count = len(spectrum.to_channels(mi.Spectrum(0)))
-        return KnownSurface(lobes=lambda si: [[*map(mi.Float, NO_LOBE)]] * count)
+        lobes = [[*map(mi.Float, NO_LOBE)]] * dr.size_v(mi.Spectrum)
+        return KnownSurface(lobes=lambda si: lobes)
     plastic = bsdf.class_name() in PLASTICS and "alpha_u" not in nested_objects(bsdf)
     if plastic and GGX in str(bsdf):
         return KnownSurface(lobes=partial(_plastic_lobes, bsdf), table_source=lambda: bsdf)
@@ -268,5 +266,5 @@ def _plastic_lobes(plastic: "mi.BSDF", si) -> list[list]:
 def _channels(textures: Mapping[str, "mi.Texture"], name: str, si) -> list:
     """The channels of a texture; ones if it is missing."""
     if name in textures:
-        return spectrum.to_channels(textures[name].eval(si))
-    return [mi.Float(1)] * len(spectrum.to_channels(mi.Spectrum(0)))
+        return [*textures[name].eval(si)]
+    return [mi.Float(1)] * dr.size_v(mi.Spectrum)

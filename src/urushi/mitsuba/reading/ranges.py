@@ -35,7 +35,7 @@ def check_coat(coat: CoatTextures) -> None:
             if name in coat.names and name not in PHYSICAL:  # those are without the thickness
                 return coat.at(si, active)[name]
             if name in (*LOOK, *PHYSICAL):
-                return spectrum.to_channels(textures[0].eval(si, active))
+                return [*textures[0].eval(si, active)]
             return [textures[0].eval_1(si, active)]
 
         ends = np.array(range_of(read, textures, (np.nan, np.nan), name != "eta"))

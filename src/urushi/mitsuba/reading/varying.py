@@ -130,7 +130,7 @@ def _of_coat(coat: CoatTextures, names: Sequence[str]) -> list[Varying]:
             return [coat.inside(si, active)] if name == INSIDE else coat.at(si, active)[name]
 
         whole = _whole(coat, name, scale, read, own)
-        ends = _resolved(scale, range_of(read, own, whole, own == [coat.textures.get(name)]))
+        ends = range_of(read, own, whole, own == [coat.textures.get(name)])
         coloured = name in ("albedo", "sigma_t", "g", *coat.coloured) and any(map(_coloured, own))
         axis = Axis(name, scale, *ends, coloured)
         found += _varying(axis, whole if gradient else None, read, own)
@@ -141,14 +141,7 @@ def _is_dye(body: "mi.Texture") -> bool:
     """Whether a medium of this body only absorbs, whatever its colour is."""
     if varying_textures(body) or has_gradients(body):
         return False
-    return not spectrum.channels_at(
-        spectrum.MIDDLE, lambda si, active: spectrum.to_channels(body.eval(si, active))
-    ).any()
-
-
-def _resolved(scale: str, ends: tuple[float, float]) -> tuple[float, float]:
-    """The ends of an axis; smaller widths than the least are that one."""
-    return (max(ends[0], MIN_ALPHA), max(ends[1], MIN_ALPHA)) if scale == WIDTH else ends
+    return not spectrum.channels_at(spectrum.MIDDLE, body.eval).any()
 
 
 def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
@@ -170,14 +163,11 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
             whole = _one_of_two(textures, name)
 
         def read(si, active, texture=texture, coloured=coloured) -> list:
-            if not coloured:
-                return [texture.eval_1(si, active)]
-            return spectrum.to_channels(texture.eval(si, active))
+            return [*texture.eval(si, active)] if coloured else [texture.eval_1(si, active)]
 
         ends = range_of(read, [texture], whole, True)
         check = finite_number if scale == LINEAR else nonnegative
         check(ends, f"{where}: a texel of the nested BSDF's {name}", any_shape=True)
-        ends = _resolved(scale, ends)
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
         found += _varying(axis, whole if gradient else None, read, [texture], texture)
     return found
@@ -211,6 +201,9 @@ def _varying(
 
     whole: all the values that it may take, if it carries gradients.
     """
+    if axis.scale == WIDTH:  # smaller widths than the least are that one
+        least, most = max(axis.least, MIN_ALPHA), max(axis.most, MIN_ALPHA)
+        axis = axis._replace(least=least, most=most)
     if whole is None:
         return [Varying(axis, read, sources, texture)] if axis.least < axis.most else []
     if not varying_textures(*sources):
