@@ -43,14 +43,14 @@ def numbers_of(bsdf: "mi.Object") -> Mapping[str, str]:
 def derived(
     function: Callable[..., Any],
     sources: Mapping[str, "mi.Texture"],
-    medium: Any = None,
+    medium: Medium | None = None,
     *,
     color: bool = True,
 ) -> "mi.Texture":
     """A texture whose value is a function of a surface interaction, lanes, and values of sources.
 
     sources: by the names that `mi.traverse` lists. medium: whose index the function depends on,
-    too, with a method `put_index`. color: whether `eval` reads the sources' spectra, not numbers.
+    too. color: whether `eval` reads the sources' spectra, not numbers.
     """
     return _derived_class(mi.variant())(function, sources, medium, color)
 
