@@ -131,7 +131,7 @@ def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) 
     """f (M, C) [1/sr] as the mean of `repeats` evaluations."""
     uv = np.full((len(wi), 2), 0.5)
     f = [probing.bsdf_values(bsdf, wi, wo, uv, float(time)) for time in range(repeats)]
-    return np.mean(f, axis=0)
+    return np.array(f, np.float64).mean(axis=0)
 
 
 def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:

@@ -146,10 +146,9 @@ def _is_dye(body: "mi.Texture") -> bool:
 
 def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
     """The textures of a bottom that vary or carry gradients."""
-    found, textures = [], parts(bottom)
-    first = {id(x): name for name, x in reversed(textures.items())}
+    found, textures = list[Varying](), parts(bottom)
     for name, texture in textures.items():
-        if not isinstance(texture, mi.Texture) or first[id(texture)] != name:
+        if not isinstance(texture, mi.Texture) or any(x.texture is texture for x in found):
             continue
         gradient = has_gradients(texture)
         if not (gradient or varying_textures(texture)):
