@@ -129,9 +129,10 @@ def has_two_widths(bsdf: "mi.BSDF") -> bool:
 
 def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
     """f (M, C) [1/sr] as the mean of `repeats` evaluations."""
-    uv = np.full((len(wi), 2), 0.5)
-    f = [probing.bsdf_values(bsdf, wi, wo, uv, float(time)) for time in range(repeats)]
-    return np.array(f, np.float64).mean(axis=0)
+    a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
+    time = np.repeat(np.arange(repeats, dtype=np.float32), len(wi))
+    f = probing.bsdf_values(bsdf, a, b, np.full((len(a), 2), 0.5), time)
+    return f.reshape(repeats, len(wi), -1).sum(axis=0).astype(np.float64) / repeats
 
 
 def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:

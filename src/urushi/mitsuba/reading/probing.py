@@ -88,7 +88,9 @@ def bsdf_values(
     parts = []
     for start in range(0, len(wi), CHUNK):
         rows = slice(start, start + CHUNK)
-        si = interaction(wi[rows], uv[rows], repeat)
+        si = interaction(
+            wi[rows], uv[rows], repeat[rows] if isinstance(repeat, np.ndarray) else repeat
+        )
         out = _vector(wo[rows])
         values = bsdf_channels(bsdf, si, out)
         dr.eval(values)
