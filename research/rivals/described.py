@@ -16,9 +16,9 @@ from urushi.errors import ParameterError
 from urushi.mitsuba.plugins.stack import CoatStack
 from urushi.mitsuba.reading.changed import relative_to
 from urushi.mitsuba.reading.grid import nested_objects
-from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.nested import nested_bsdf
 from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.mitsuba.reading.probing import known_surface
 from urushi.mitsuba.reading.ranges import check_coat
 from urushi.mitsuba.surface import Surface, surface_of
 

@@ -114,7 +114,7 @@ def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First
     """The BSDF of a scene file; `bsdf`: its id, or None for the only one."""
     import urushi
     from urushi.app.page_files import first_of
-    from urushi.mitsuba.reading.known import known_surface
+    from urushi.mitsuba.reading.probing import known_surface
 
     chosen = choose(scene_bsdfs(path, MODE), bsdf, path)
     name = bsdf or path.stem

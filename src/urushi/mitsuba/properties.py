@@ -35,13 +35,6 @@ def check_names(props: "mi.Properties", names: Collection[str], where: str) -> N
             raise ParameterError(f"{where}: there is no parameter '{name}'; {choice(name, names)}")
 
 
-def ignore(props: "mi.Properties", *names: str) -> None:
-    """Mark parameters of another plugin as used: Mitsuba refuses a scene with unused ones."""
-    for name in names:
-        if name in props:
-            props.mark_queried(name)
-
-
 def read_weights(props: "mi.Properties") -> Model | None:
     """The weights that the property `weights` names; None without it: shipped ones that fit."""
     name = props.get("weights", "")

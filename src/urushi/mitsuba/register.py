@@ -42,7 +42,7 @@ def _on_variant(new: str, sets: tuple[PluginSet, ...]) -> None:
     if new.startswith("llvm"):
         platform.require_llvm()  # an old LLVM would crash when the first kernel is compiled
     from urushi.material.source import as_source
-    from urushi.mitsuba.reading.bsdf import bsdf_source
+    from urushi.mitsuba.reading.bottoms import bsdf_source
     from urushi.mitsuba.reading.changed import relative_to_index
     from urushi.walk.stack import under
 

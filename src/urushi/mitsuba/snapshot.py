@@ -66,11 +66,8 @@ def has_gradients(plugin: "mi.Object") -> bool:
 
 def is_attached(value: Any) -> bool:
     """Whether a value carries a gradient, also where gradients are suspended."""
-    if dr.is_tensor_v(value):
-        return bool(value.array.index_ad)
-    if not dr.is_array_v(value) or not dr.is_diff_v(value):
-        return False
-    return bool(value.index_ad) if dr.depth_v(value) == 1 else any(map(is_attached, value))
+    with dr.resume_grad():
+        return dr.is_array_v(value) and dr.grad_enabled(value)
 
 
 def writable(plugin: "mi.Object") -> list[tuple[str, Any]]:

@@ -83,10 +83,10 @@ def channel_count() -> int:
     return len(_read.get()) if mi.is_spectral else 3
 
 
-def at_bands(si, evaluate: Callable[..., Sequence]) -> list:
+def at_bands(si, evaluate: Callable[..., Any]) -> list:
     """The channels of evaluate() at a surface interaction.
 
-    evaluate: returns the channels, of `to_channels`, at the interaction's wavelengths; spectral
+    evaluate: returns the channels, maybe as a spectrum, at the interaction's wavelengths; spectral
         variants call it for each group of bands.
     """
     if not mi.is_spectral:
@@ -101,23 +101,8 @@ def at_bands(si, evaluate: Callable[..., Sequence]) -> list:
     for start in range(0, len(bands), lanes):
         group = bands[start : start + lanes]
         si.wavelengths = mi.Spectrum([*group, *[group[-1]] * (lanes - len(group))])
-        channels += evaluate()[: len(group)]
+        channels += list(evaluate())[: len(group)]
     return channels
-
-
-def to_channels(value) -> list:
-    """The channels of a spectrum, as Dr.Jit floats; in spectral variants, of its wavelengths."""
-    return [value[0]] if mi.is_monochromatic else list(value)
-
-
-def color_type() -> type:
-    """The type of the walk's throughputs: a plain float where there is one channel."""
-    return mi.Float if mi.is_monochromatic else mi.Spectrum
-
-
-def as_color(value) -> Any:
-    """A spectrum as `color_type`."""
-    return value[0] if mi.is_monochromatic else value
 
 
 def mean(value) -> Any:
@@ -132,10 +117,10 @@ def points(uv: np.ndarray) -> "mi.SurfaceInteraction3f":
     return si
 
 
-def channels_at(uv: np.ndarray, read: Callable[..., Sequence]) -> np.ndarray:
+def channels_at(uv: np.ndarray, read: Callable[..., Any]) -> np.ndarray:
     """Numbers float32 (C, M) at points uv (M, 2).
 
-    read: from surface interactions and active lanes to its channels, as of `to_channels`.
+    read: from surface interactions and active lanes to its channels, maybe as a spectrum.
     """
     si = points(uv)
     channels = at_bands(si, lambda: read(si, True))

@@ -8,8 +8,7 @@ import mitsuba as mi
 
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.probing import known_surface
 from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
 from urushi.openpbr_surface import formulas, model
 from urushi.openpbr_surface.compensation import Compensation
@@ -180,7 +179,7 @@ class OpenPBRSurface(Surface):
         index = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
         alpha, weight = inputs.widths("coat", si, active), inputs.number("coat_weight", si, active)
         lobe = [alpha, zero, zero, weight, index, zero]
-        return [lobe] * len(spectrum.to_channels(mi.Spectrum(0)))
+        return [lobe] * dr.size_v(mi.Spectrum)
 
     def replaced(self, replacement):
         return bsdf_of(type(self)(self._inputs.with_textures(replacement), self._coating))

@@ -18,7 +18,7 @@ from urushi.errors import ParameterError, PlatformError
 from urushi.material.source import Source, as_source
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.bsdf import bsdf_source
+from urushi.mitsuba.reading.bottoms import bsdf_source
 from urushi.openpbr_surface.formulas import modulated_index, subsurface_albedo, translucent_medium
 from urushi.openpbr_surface.materialx.conversions import roughness_of
 from urushi.openpbr_surface.materialx.document import write_parameters

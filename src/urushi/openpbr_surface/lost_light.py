@@ -15,7 +15,6 @@ from urushi.core import anisotropic_albedos
 from urushi.core.namespace import DRJIT
 from urushi.core.quadrature import directional_albedos
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.known import known_surface
 from urushi.mitsuba.reading.rows import along_u, texels
 from urushi.mitsuba.tables import Interpolated
 from urushi.openpbr_surface import formulas
@@ -159,7 +158,7 @@ def _measured(bsdf: "mi.BSDF", cos2: np.ndarray, side: int) -> np.ndarray:
     """
     cosine = np.maximum(np.linspace(0, 1, COSINES) ** 2, LEAST_COSINE)
     sine = np.sqrt(1 - cosine**2)
-    integrates = known_surface(bsdf).latents is not None and not _transmits(bsdf)
+    integrates = probing.known_surface(bsdf).latents is not None and not _transmits(bsdf)
     samples = SAMPLES if cos2.size == 1 else max(MANY * SAMPLES // cos2.size, LEAST_SAMPLES)
     kept = np.empty((*cos2.shape, COSINES))
     for node, turn in np.ndindex(cos2.shape):

@@ -22,7 +22,6 @@ from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.facets import MIRROR, multiple_lobe
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba import spectrum
 from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
 from urushi.mitsuba.tables import InterfaceAlbedo
 from urushi.openpbr_surface import formulas, thin_film
@@ -179,7 +178,7 @@ class Base(Surface):
             mi.Spectrum(0),
             *([mi.Spectrum(across)] if isinstance(widths, Widths) else ()),
         )
-        return [list(c) for c in zip(*map(spectrum.to_channels, values), strict=True)]
+        return [list(c) for c in zip(*values, strict=True)]
 
     def reflected(self, w, vertex: BaseVertex):
         """Share of the light from a direction that the dielectric's interface reflects."""

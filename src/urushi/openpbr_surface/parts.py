@@ -8,7 +8,7 @@ import mitsuba as mi
 from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
-from urushi.mitsuba.reading.textures import derived as from_textures
+from urushi.mitsuba.reading.changed import derived as from_textures
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import Inputs, clipped
 

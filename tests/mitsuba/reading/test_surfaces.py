@@ -9,7 +9,7 @@ from urushi.errors import ParameterError
 from urushi.material.encode import encode
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.changed import replaced
-from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.probing import known_surface
 from urushi.nets import lobe as lobes
 
 WI, WO = probe_pairs(192)

@@ -8,7 +8,6 @@ import mitsuba as mi
 
 from urushi import checks
 from urushi.errors import ParameterError
-from urushi.mitsuba import spectrum
 from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.stack import BottomLobes, CoatStack, MitsubaBottom
 from urushi.mitsuba.reading.changed import relative_to
@@ -77,6 +76,8 @@ class CoatedSurface(Coated):
 
     def _load(self, props):
         super()._load(props)
+        for name in ("resolution", "weights"):  # Mitsuba refuses properties that nobody reads
+            props.get(name, None)
         self._inner = bool(props.get("inner", False))  # whether a slab is a part of another
         if is_dielectric(self._nested):
             check_dielectric(self._nested, self._coat.where)
@@ -165,8 +166,8 @@ class CoatedSurface(Coated):
                     bottom = MitsubaBottom(self.bottom, ctx, si, active, channel)
                 return self._model(coats, bottom, si, wo, color, active)
 
-            if not any(coat.coloured for coat in self.coats):
-                return mi.Spectrum(value(spectrum.color_type()))
+            if not (mi.is_monochromatic or any(coat.coloured for coat in self.coats)):
+                return mi.Spectrum(value(mi.Spectrum))
             # Every channel has a stack of its own.
             channels = range(dr.size_v(mi.Spectrum))
             return mi.Spectrum(*(value(mi.Float, channel) for channel in channels))

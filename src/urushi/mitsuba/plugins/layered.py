@@ -4,7 +4,6 @@ import mitsuba as mi
 
 from urushi.core.random import hashed_stream
 from urushi.mitsuba.plugins.coated import CoatedSurface
-from urushi.mitsuba.properties import ignore
 from urushi.walk import slabs, walk
 from urushi.walk.bottoms.dielectric import Reflector
 
@@ -110,10 +109,6 @@ class Layered(CoatedSurface):
     After Guo, Hašan and Zhao, Position-Free Monte Carlo Simulation for Arbitrary Layered
     BSDFs, SIGGRAPH Asia 2018.
     """
-
-    def _load(self, props):
-        super()._load(props)
-        ignore(props, "resolution", "weights")
 
     def _model(self, coats, bottom, si, wo, color, active):
         # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.

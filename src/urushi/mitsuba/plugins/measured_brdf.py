@@ -1,7 +1,5 @@
 """The plugin `measured_brdf`: a measured BRDF from its file."""
 
-from typing import Any
-
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -16,31 +14,6 @@ from urushi.walk.tabulated import Tabulated
 
 #: Wavelengths [nm] at which the spectra of a file are tabulated: the first, and their number.
 FIRST, COUNT = 360, 471
-
-
-class Components:
-    """A measured BRDF as a sum of a few spectra."""
-
-    def __init__(self, source: Rgl, wavelengths: np.ndarray):
-        """wavelengths: of the source [nm]."""
-        table, spectra = source.components
-        nm = np.arange(FIRST, FIRST + COUNT)
-        rows = [np.interp(nm, wavelengths, row) for row in spectra]
-        self._spectra = [owned(mi.Float, row.astype(np.float32)) for row in rows]
-        self.reflector = Tabulated(table, np.mean(rows, axis=1)).on(mi.Float)
-
-    def f(self, wi, wo, wavelengths) -> Any:
-        """f [1/sr] at wavelengths [nm]; the last ones of the file hold beyond them."""
-        channels, lanes = self.reflector.channels(wi, wo), []
-        for wavelength in wavelengths:
-            place = dr.clip(wavelength - FIRST, 0, COUNT - 1.001)
-            low = mi.UInt32(place)
-            total: Any = 0
-            for value, row in zip(channels, self._spectra, strict=True):
-                ends = (dr.gather(mi.Float, row, low + i) for i in (0, 1))
-                total += value * dr.lerp(*ends, place - low)
-            lanes.append(dr.maximum(total, 0))
-        return mi.Spectrum(*lanes)
 
 
 class MeasuredBRDF(Surface):
@@ -85,13 +58,16 @@ class MeasuredBRDF(Surface):
             raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")
         self._filename = props["filename"]
         self.source = source = load_measured(path_of(props, "filename"))
-        self._spectral = None
+        self._spectra = []  # of each channel of the table; empty: the channels are colours
         try:
             if mi.is_spectral and isinstance(source, Rgl) and source.wavelengths is not None:
-                self._spectral = Components(source, source.wavelengths)
-                self._reflector = self._spectral.reflector
+                (table, spectra), nm = source.components, np.arange(FIRST, FIRST + COUNT)
+                rows = [np.interp(nm, source.wavelengths, row) for row in spectra]
+                self._spectra = [owned(mi.Float, row.astype(np.float32)) for row in rows]
+                tabulated = Tabulated(table, np.mean(rows, axis=1))
             else:
-                self._reflector = source.tabulated.on(mi.Float)
+                tabulated = source.tabulated
+            self._reflector = tabulated.on(mi.Float)
         except ParameterError as error:
             raise ParameterError(f"{self._where}: {error}") from error
 
@@ -99,10 +75,18 @@ class MeasuredBRDF(Surface):
         return KnownSurface(measured=self.source)
 
     def _f(self, vertex, ctx, si, wo, active):
-        if self._spectral:
-            return self._spectral.f(si.wi, wo, si.wavelengths)
         channels = self._reflector.channels(si.wi, wo)
-        return spectrum.from_channels(channels, si.wavelengths, colors=True)
+        if not self._spectra:
+            return spectrum.from_channels(channels, si.wavelengths, colors=True)
+        lanes = []
+        for wavelength in si.wavelengths:  # the last ones of the file hold beyond them
+            place = dr.clip(wavelength - FIRST, 0, COUNT - 1.001)
+            low, total = mi.UInt32(place), mi.Float(0)
+            for value, row in zip(channels, self._spectra, strict=True):
+                ends = (dr.gather(mi.Float, row, low + i) for i in (0, 1))
+                total += value * dr.lerp(*ends, place - low)
+            lanes.append(dr.maximum(total, 0))
+        return mi.Spectrum(*lanes)
 
     def _proposal(self, vertex, si, active):
         return self._reflector.mixture(si.wi.z)

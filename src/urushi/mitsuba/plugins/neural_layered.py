@@ -13,8 +13,7 @@ from urushi.mitsuba.plugins.coated import Coated
 from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.neural_brdf import EncodedSurface
 from urushi.mitsuba.properties import read_weights
-from urushi.mitsuba.reading.bottoms import Layer
-from urushi.mitsuba.reading.bsdf import has_two_widths
+from urushi.mitsuba.reading.bottoms import Layer, has_two_widths
 from urushi.mitsuba.reading.changed import relative_to
 from urushi.mitsuba.reading.layer_codes import Baker, at_texels
 from urushi.mitsuba.reading.nested import check_bottom, check_rotation

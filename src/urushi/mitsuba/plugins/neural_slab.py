@@ -22,7 +22,6 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.plugins.coated import CoatedSurface
 from urushi.mitsuba.plugins.stack import CoatStack, width
-from urushi.mitsuba.properties import ignore
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.recording import only_where, opaque, owned
 from urushi.mitsuba.snapshot import has_gradients
@@ -66,25 +65,16 @@ def _lobes(tables: SlabTables) -> np.ndarray:
 class NeuralSlab(CoatedSurface):
     """A slab of constant parameters; see ``layered``."""
 
-    def _load(self, props):
-        super()._load(props)
-        ignore(props, "resolution", "weights")
-        self._tabulate()
-
-    def _update(self, keys):
-        super()._update(keys)
-        self._tabulate()
-
-    def _tabulate(self):
+    def _prepare(self):
         """Compute the tables."""
+        super()._prepare()
         reason, coats = None, self.coats
         layers: list[Any] = [*coats] if self.lowest is None else [*coats, self.lowest]
         if any(x.is_anisotropic for x in layers) or any(x.coloured for x in coats):
             reason = "a slab has a table for one width of each interface"
-        for layer in layers:
-            for name, texture in layer.textures.items():
-                if varying_textures(texture):
-                    reason = f"{name} is a texture, but the tables of a slab are of constants"
+        for name, texture in (item for layer in layers for item in layer.textures.items()):
+            if varying_textures(texture):
+                reason = f"{name} is a texture, but the tables of a slab are of constants"
         if reason is not None:
             raise ParameterError(
                 f"{self._where}: {reason}; use the plugin 'layered', which walks through any"
@@ -94,10 +84,9 @@ class NeuralSlab(CoatedSurface):
         far = self._lowest_at(CoatStack(coats, si, True), si, True)
         interfaces = [(*row.alpha.flat, *row.eta.flat) for row in rows]
         interfaces.append((float(far.alpha[0]), float(far.eta[0])))
-        media = [np.broadcast_arrays(*row[2:]) for row in rows]
-        channels = max(medium[0].size for medium in media)
-        columns = [[np.broadcast_to(x.ravel(), channels) for x in medium] for medium in media]
-        tables = slab_tables(np.array(interfaces), np.array(columns))
+        channels = max(x.size for row in rows for x in row[2:])
+        media = np.array([[np.broadcast_to(x.ravel(), channels) for x in row[2:]] for row in rows])
+        tables = slab_tables(np.array(interfaces), media)
         above, below = tables.reflected
         wanted = has_gradients(self)
         sides = (above, below) if wanted or above is not below else (above,)
@@ -108,7 +97,7 @@ class NeuralSlab(CoatedSurface):
         self._depths = [[opaque(x) for x in side] for side in tables.depths.tolist()]
         self._interreflection = tables.inner
         self._lobes = Interpolated(_lobes(tables))
-        self._attach(np.array(interfaces), np.array(columns))
+        self._attach(np.array(interfaces), media)
 
     def _attach(self, interfaces: np.ndarray, media: np.ndarray):
         """Add derivatives by albedo and sigma_t to the tables: differences of two slabs.
@@ -117,7 +106,7 @@ class NeuralSlab(CoatedSurface):
         """
         si, found = dr.zeros(mi.SurfaceInteraction3f), []
         for level, coat in enumerate(self.coats):
-            for name, numbers in coat.channels(si).items():
+            for name, numbers in coat.at(si).items():
                 if dr.grad_enabled(numbers):
                     found.append((level, name, numbers))
         wrong = has_gradients(self) and not found

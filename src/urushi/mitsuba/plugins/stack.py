@@ -26,7 +26,7 @@ from urushi.core.mixture import Mixture
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.mitsuba.reading.parameters import CoatTextures, alpha_of
 from urushi.mitsuba.recording import opaque
 from urushi.walk.bottoms.dielectric import Reflector
 
@@ -60,7 +60,7 @@ class BottomLobes:
         valid = (bs.pdf > 0) & (bs.wo.z > 0)
         half = bs.wo + mi.Vector3f(0, 0, 1)
         tangent = (dr.hypot(half.x, half.y) / half.z).numpy()
-        share = np.where(valid.numpy(), spectrum.mean(spectrum.as_color(weight)).numpy(), 0)
+        share = np.where(valid.numpy(), dr.mean(weight).numpy(), 0)
         below = _cumulative(tangent, share)[1]
         self.albedo = opaque(min(below[-1] / SAMPLES, 1))
         self._alphas = []  # of each lobe, one width or two
@@ -77,7 +77,7 @@ class BottomLobes:
     @property
     def alphas(self) -> list[Any]:
         """The widths of the two lobes, `Widths` of those that are anisotropic."""
-        return [alpha[0] if len(alpha) == 1 else Widths(*alpha) for alpha in self._alphas]
+        return [alpha_of(alpha) for alpha in self._alphas]
 
 
 def _cumulative(tangent: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -246,7 +246,7 @@ class MitsubaBottom:
         return bs.wo, dr.select(valid, self._kept(weight), 0), dr.select(valid, bs.pdf, 0)
 
     def _kept(self, value):
-        return spectrum.as_color(value) if self._channel is None else value[self._channel]
+        return value if self._channel is None else value[self._channel]
 
     def _interaction(self, wi):
         si = mi.SurfaceInteraction3f(self._si)
@@ -259,9 +259,9 @@ def _clipped(coat: CoatParameters) -> CoatParameters:
     return CoatParameters(
         _width_in_range(coat.alpha),
         _index_in_range(coat.eta),
-        dr.clip(spectrum.as_color(coat.albedo), 0, 1),
-        dr.maximum(spectrum.as_color(coat.sigma_t), 0),
-        dr.clip(spectrum.as_color(coat.g), -0.999, 0.999),
+        dr.clip(coat.albedo, 0, 1),
+        dr.maximum(coat.sigma_t, 0),
+        dr.clip(coat.g, -0.999, 0.999),
     )
 
 

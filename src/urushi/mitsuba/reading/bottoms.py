@@ -1,25 +1,40 @@
-"""What lies below a coat: as a material, and at points of uv."""
+"""BSDFs of Mitsuba's as sources of `urushi.encode`, as materials, and at points of uv.
+
+A source has the rough reflection alone, and the shares of the light that this excludes.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.core.direction_sets import direction
 from urushi.core.table import node_pairs, table_of_values
+from urushi.errors import ParameterError, PlatformError
 from urushi.material.material import Material
-from urushi.material.symmetry import symmetrise
+from urushi.material.source import Source, as_source
+from urushi.material.symmetry import (
+    ASYMMETRY_PAIRS,
+    asymmetry_pairs,
+    is_anisotropic,
+    symmetrise,
+)
 from urushi.material.values import codes_of_values, encode_source, required_pairs
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.bsdf import reflection_source
-from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
 from urushi.mitsuba.reading.nested import check_bottom
 from urushi.mitsuba.reading.parameters import CoatTextures
-from urushi.nets.lobe import with_two_widths
+from urushi.mitsuba.reading.probing import known_surface
+from urushi.nets.lobe import LOBE_NUMBERS, with_two_widths
 from urushi.nets.transmittance import remainder, table_beside
 from urushi.nets.weights import Model
+
+#: Samples by which the excluded shares of the light are measured, to about 0.2 %.
+SAMPLES = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -40,6 +55,127 @@ class Layer:
         """The coat in the middle of uv, see `CoatTextures.numbers`; in all bands of constants."""
         with spectrum.reading_at(spectrum.FINE):
             return self.coat.numbers(spectrum.MIDDLE)
+
+
+def bsdf_source(bsdf: "mi.BSDF") -> Source:
+    """A BSDF at the middle of uv, seen from the side of its normal, as a source of `encode`.
+
+    Raises:
+        ParameterError: it has no rough reflection, because it is a mirror or only transmits; or it
+            depends on a position that is not over uv.
+        PlatformError: the variant is a scalar or polarized one.
+    """
+    name = bsdf.class_name()
+    if mi.variant() is None or mi.variant().startswith("scalar") or mi.is_polarized:
+        raise PlatformError(
+            f"encode {name}: BSDFs cannot be read in the variant {mi.variant()}; choose "
+            "llvm_ad_rgb or another vectorised one without polarization before loading the scene"
+        )
+    _check_encodable(bsdf, name)
+    transmitted, mirrored = excluded_shares(bsdf)
+    source = reflection_source(bsdf)
+    if known_surface(bsdf).table_source():  # a lobe is for coats; without one, values say more
+        source = source._replace(lobe=None, bare=False, tabulated=True, widths=1)
+    return source._replace(
+        transmitted=transmitted, mirrored=mirrored, textured=bool(varying_textures(bsdf))
+    )
+
+
+def reflection_source(bsdf: "mi.BSDF") -> Source:
+    """`bsdf_source` of a BSDF that is known to be opaque and rough, and not to be textured."""
+    known = known_surface(bsdf)
+    if known.measured is not None and mi.is_rgb:
+        return as_source(known.measured)  # what `urushi.load_measured` gives, to the bit
+
+    lobes = probing.known_lobes(bsdf, spectrum.MIDDLE)
+    if lobes is not None:
+        bounded = np.delete(lobes, [4, 5], axis=-1)
+        # Numbers of textures may leave the ranges of lobes that conserve energy.
+        if ((bounded >= 0) & (bounded <= 1)).all() and (lobes[..., 4:6] >= 0).all():
+            return Source(
+                lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
+                symmetric=True,
+                tabulated=False,  # a lobe alone, a Lambertian, or `bsdf_source` knows more
+                lobe=lobes[0],
+                bare=known.lobe_only,
+                widths=1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2,
+            )
+
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return _mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))
+
+    wi, wo = (w[:64] for w in asymmetry_pairs())
+    noisy = probing.needed_repeats(bsdf, wi, wo, 1) > 1
+    return Source(f, noisy=noisy, tabulated=not noisy)
+
+
+def has_two_widths(bsdf: "mi.BSDF") -> bool:
+    """Whether a BSDF is anisotropic, so that its codes need two widths.
+
+    Textures count by their values at random points of uv; a random BSDF counts as isotropic.
+    """
+    latents = known_surface(bsdf).latents
+    if latents is not None:
+        return latents.model.widths == 2
+    lobes = probing.known_lobes(bsdf, spectrum.MIDDLE)
+    if lobes is not None and lobes.shape[-1] > len(LOBE_NUMBERS) and not varying_textures(bsdf):
+        return not np.array_equal(lobes[..., 0], lobes[..., 6])
+    source = reflection_source(bsdf)
+    if varying_textures(bsdf) and not (source.noisy or not_over_uv(bsdf)):
+        uv = np.random.default_rng(0).random((ASYMMETRY_PAIRS, 2))
+        source = source._replace(f=lambda wi, wo: probing.bsdf_values(bsdf, wi, wo, uv))
+    return is_anisotropic(source)
+
+
+def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
+    """f (M, C) [1/sr] as the mean of `repeats` evaluations."""
+    a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
+    time = np.repeat(np.arange(repeats, dtype=np.float32), len(wi))
+    f = probing.bsdf_values(bsdf, a, b, np.full((len(a), 2), 0.5), time)
+    return f.reshape(repeats, len(wi), -1).sum(axis=0).astype(np.float64) / repeats
+
+
+def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:
+    """Shares of diffuse light from above that are transmitted, and reflected by a smooth surface.
+
+    Means over the channels, by the BSDF's own `sample`, whose weights are trusted.
+    """
+    excluded = mi.BSDFFlags.Transmission, mi.BSDFFlags.Null, mi.BSDFFlags.DeltaReflection
+    if not any(mi.has_flag(bsdf.flags(), kind) for kind in excluded):
+        return 0.0, 0.0
+    u = np.random.default_rng(0).random((5, SAMPLES))
+    si = probing.interaction(direction(np.sqrt(u[0]), u[1]), np.full((SAMPLES, 2), 0.5))
+    context = mi.BSDFContext(mi.TransportMode.Importance)  # light, not radiance, which eta changes
+    sample, weight = bsdf.sample(
+        context, si, mi.Float(u[2]), mi.Point2f(np.ascontiguousarray(u[3:], np.float32))
+    )
+    kind = mi.UInt32(sample.sampled_type)
+    through = mi.has_flag(kind, mi.BSDFFlags.Transmission) | mi.has_flag(kind, mi.BSDFFlags.Null)
+    mirrored = mi.has_flag(kind, mi.BSDFFlags.DeltaReflection)
+    energy = dr.mean(weight)
+    energy = dr.select(dr.isfinite(energy), energy, 0)
+    shares = [dr.mean(dr.select(which, energy, 0)).numpy() for which in (through, mirrored)]
+    return float(shares[0][0]), float(shares[1][0])
+
+
+def _check_encodable(bsdf: "mi.BSDF", name: str) -> None:
+    """Refuse a BSDF that has no value in the middle of uv, or no rough reflection."""
+    if stranger := not_over_uv(bsdf):
+        raise ParameterError(
+            f"encode {name}: the BSDF depends on {stranger} and not on uv; "
+            "give a texture over uv, or a constant"
+        )
+    flags, has = bsdf.flags(), mi.has_flag
+    if has(flags, mi.BSDFFlags.DiffuseReflection) or has(flags, mi.BSDFFlags.GlossyReflection):
+        return
+    if has(flags, mi.BSDFFlags.DeltaReflection):
+        raise ParameterError(
+            f"encode {name}: the BSDF is perfectly smooth, but a material must be rough; "
+            "give its rough variant, such as 'roughconductor' of alpha 0.01"
+        )
+    raise ParameterError(
+        f"encode {name}: the BSDF reflects nothing but only transmits; a material must be opaque"
+    )
 
 
 def nested_latents(bottom: "mi.BSDF", model: Model) -> Any:

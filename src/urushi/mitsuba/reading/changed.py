@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import Any
 
 import mitsuba as mi
@@ -11,9 +12,7 @@ import numpy.typing as npt
 from urushi.core.direction_sets import cosine_pairs
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import NORMALS, nested_objects
-from urushi.mitsuba.reading.known import GGX
-from urushi.mitsuba.reading.textures import derived
-from urushi.mitsuba.recording import Recorded
+from urushi.mitsuba.reading.parameters import Medium
 from urushi.mitsuba.surface import bsdf_of, surface_of
 
 #: Plugins by class, with the properties of the numbers that `mi.traverse` lists.
@@ -41,22 +40,57 @@ def numbers_of(bsdf: "mi.Object") -> Mapping[str, str]:
     return PLUGINS.get(bsdf.class_name(), ("", {}))[1]
 
 
-class Medium(Recorded):
-    """A medium of a constant index relative to air, in place of the coat that contains it."""
+def derived(
+    function: Callable[..., Any],
+    sources: Mapping[str, "mi.Texture"],
+    medium: Medium | None = None,
+    *,
+    color: bool = True,
+) -> "mi.Texture":
+    """A texture whose value is a function of a surface interaction, lanes, and values of sources.
 
-    has_textured_eta = False  # see `CoatTextures`
+    sources: by the names that `mi.traverse` lists. medium: whose index the function depends on,
+    too. color: whether `eval` reads the sources' spectra, not numbers.
+    """
+    return _derived_class(mi.variant())(function, sources, medium, color)
 
-    def __init__(self, index: npt.ArrayLike):
-        """index: a number, or one per channel."""
-        self.opaque_eta = (mi.Float if np.ndim(index) == 0 else mi.Spectrum)(index)
 
-    def inside(self, si, active=True) -> Any:
-        """See `CoatTextures.inside`."""
-        return self.opaque_eta
+@cache
+def _derived_class(variant: str) -> type:
+    """The class in a variant."""
 
-    def put_index(self, callback) -> None:
-        """See `CoatTextures.put_index`."""
-        callback.put("ext_eta", self.opaque_eta, mi.ParamFlags.Differentiable)
+    class Derived(mi.Texture):
+        def __init__(self, function, sources, medium, color):
+            self._function, self.sources = function, dict(sources)
+            self._medium, self._color = medium, color
+            mi.Texture.__init__(self, mi.Properties("derived"))
+
+        def eval(self, si, active=True):
+            if not self._color:
+                return mi.Spectrum(self.eval_1(si, active))
+            values = [x.eval(si, active) for x in self.sources.values()]
+            return mi.Spectrum(self._function(si, active, *values))
+
+        def eval_1(self, si, active=True):
+            values = [x.eval_1(si, active) for x in self.sources.values()]
+            return self._function(si, active, *values)
+
+        def mean(self):
+            return self._function(None, True, *(x.mean() for x in self.sources.values()))
+
+        def is_spatially_varying(self):
+            return False  # the sources are listed and vary by themselves, with their own transforms
+
+        def traverse(self, callback):
+            for name, source in self.sources.items():
+                callback.put(name, source, mi.ParamFlags.Differentiable)
+            if self._medium is not None:
+                self._medium.put_index(callback)
+
+        def to_string(self):
+            return f"Derived[{', '.join(self.sources)}]"
+
+    return Derived
 
 
 def relative_to_index(bsdf: "mi.BSDF", index: npt.ArrayLike) -> "mi.BSDF":
@@ -64,8 +98,8 @@ def relative_to_index(bsdf: "mi.BSDF", index: npt.ArrayLike) -> "mi.BSDF":
     return relative_to(bsdf, Medium(index))
 
 
-def relative_to(bsdf: "mi.BSDF", coat: Any) -> "mi.BSDF":
-    """A BSDF as it reflects below the medium of a coat, `CoatTextures` or a `Medium`.
+def relative_to(bsdf: "mi.BSDF", medium: Medium) -> "mi.BSDF":
+    """A BSDF as it reflects below a medium, maybe that of a coat.
 
     Coats without `ext_ior`, and saved materials that were layered, keep their absolute indices. The
     index of a `roughconductor` is divided by the medium's, relative to air. So it is for those
@@ -74,29 +108,28 @@ def relative_to(bsdf: "mi.BSDF", coat: Any) -> "mi.BSDF":
     """
     surface, name = surface_of(bsdf), bsdf.class_name()
     if surface is not None:
-        found = surface.relative_to(coat)
+        found = surface.relative_to(medium)
         return bsdf if found is surface else bsdf_of(found)
-    if name == "RoughConductor":
+    if name not in ("RoughConductor", "TwoSidedBRDF", "BlendBSDF", *NORMALS):
+        return bsdf
 
-        def relative(si, active, index):
-            return index / coat.inside(si, active)
+    def relative(si, active, index):
+        return index / medium.inside(si, active)
 
-        def below(name: str, part: "mi.Object") -> "mi.Object":
-            return derived(relative, {name: part}, coat) if name in ("eta", "k") else part
+    def below(key: str, part: "mi.Object") -> "mi.Object":
+        if isinstance(part, mi.BSDF):
+            return relative_to(part, medium)
+        if name == "RoughConductor" and key in ("eta", "k"):
+            return derived(relative, {key: part}, medium)
+        return part
 
-        return _rebuilt(bsdf, below)
+    parts = nested_objects(bsdf)
+    inside = {key: below(key, part) for key, part in parts.items()}
+    if all(inside[key] is part for key, part in parts.items()):
+        return bsdf
     if name == "TwoSidedBRDF":
-        front = nested_objects(bsdf)["brdf_0"]
-        inside = relative_to(front, coat)
-        return bsdf if inside is front else inside
-    if name != "BlendBSDF" and name not in NORMALS:
-        return bsdf
-    nested = {id(x): x for x in nested_objects(bsdf).values() if isinstance(x, mi.BSDF)}
-    inside = {key: relative_to(part, coat) for key, part in nested.items()}
-    if all(part is nested[key] for key, part in inside.items()):
-        return bsdf
-    switches = _switches(bsdf) if name in NORMALS else {}
-    return _rebuilt(bsdf, lambda name, part: inside.get(id(part), part), switches)
+        return inside["brdf_0"]
+    return _rebuilt(bsdf, inside, _switches(bsdf) if name in NORMALS else {})
 
 
 def replaced(
@@ -113,41 +146,42 @@ def replaced(
     surface, name = surface_of(bsdf), bsdf.class_name()
     if surface is not None:
         return surface.replaced(replacement)
-    given = numbers or {}
-
-    def change(name: str, part: "mi.Object") -> "mi.Object | None":
-        if not isinstance(part, mi.BSDF):
-            return replacement(part)
-        start = name + "."
-        inner = {key.removeprefix(start): x for key, x in given.items() if key.startswith(start)}
-        return replaced(part, replacement, inner)
-
-    if name == "TwoSidedBRDF":
-        return change("brdf_0", nested_objects(bsdf)["brdf_0"])
-    if name not in PLUGINS or name in NORMALS:
+    if name != "TwoSidedBRDF" and (name not in PLUGINS or name in NORMALS):
         return None
-    return _rebuilt(bsdf, change, {key: x for key, x in given.items() if "." not in key})
+    given, parts = numbers or {}, dict[str, Any]()
+    for key, part in nested_objects(bsdf).items():
+        if isinstance(part, mi.BSDF):
+            start = key + "."
+            inner = {k.removeprefix(start): x for k, x in given.items() if k.startswith(start)}
+            parts[key] = replaced(part, replacement, inner)
+        else:
+            parts[key] = replacement(part)
+    if name == "TwoSidedBRDF":
+        return parts["brdf_0"]
+    if None in parts.values():
+        return None
+    return _rebuilt(bsdf, parts, {key: x for key, x in given.items() if "." not in key})
 
 
-def _rebuilt(bsdf: "mi.BSDF", change: Callable, others: Mapping[str, Any] | None = None) -> Any:
-    """A BSDF of one of `PLUGINS` with other parts; None: one of them is None.
+def _rebuilt(
+    bsdf: "mi.BSDF", parts: Mapping[str, "mi.Object"], others: Mapping[str, Any]
+) -> "mi.BSDF":
+    """A BSDF of one of `PLUGINS` with other parts.
 
     Args:
-        change: from the name of a part and the part to the other one.
+        parts: by the names of those that they replace.
         others: numbers by the names of `mi.traverse`, and properties that it does not list.
     """
     plugin, listed = PLUGINS[bsdf.class_name()]
-    parameters, text, others = mi.traverse(bsdf), str(bsdf), dict(others or {})
-    given = {name: change(name, part) for name, part in nested_objects(bsdf).items()}
-    if None in given.values():
-        return None
+    parameters, text, others = mi.traverse(bsdf), str(bsdf), dict(others)
+    given: dict[str, Any] = dict(parts)
     for key, name in listed.items():
         if key in parameters and key not in given:
             given[name] = others.pop(key, float(np.ravel(parameters[key])[0]))
     if "int_ior" in given:
         given["ext_ior"] = 1.0
     if "alpha" in given or "alpha_u" in given:
-        given["distribution"] = "ggx" if GGX in text else "beckmann"
+        given["distribution"] = "ggx" if probing.GGX in text else "beckmann"
         given["sample_visible"] = "sample_visible = 0" not in text
     if plugin == "roughplastic":
         given["nonlinear"] = NONLINEAR in text
@@ -161,7 +195,7 @@ def _switches(wrapper: "mi.BSDF") -> Mapping[str, Any]:
     f = probing.bsdf_values(wrapper, *pairs)
     for on in itertools.product((True, False), repeat=len(SWITCHES)):
         switches = dict(zip(SWITCHES, on, strict=True))
-        found = _rebuilt(wrapper, lambda name, part: part, switches)
+        found = _rebuilt(wrapper, nested_objects(wrapper), switches)
         if np.allclose(probing.bsdf_values(found, *pairs), f, rtol=1e-3):
             break
     return switches

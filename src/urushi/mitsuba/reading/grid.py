@@ -5,6 +5,7 @@ from functools import cache
 import mitsuba as mi
 
 from urushi.errors import ParameterError
+from urushi.mitsuba.snapshot import is_attached
 
 #: Classes of Mitsuba's textures that are not functions of uv, and their description in errors.
 ELSEWHERE = {
@@ -19,9 +20,10 @@ NORMALS = {"NormalMap": "normalmap", "BumpMap": "bumpmap"}
 FIRST = 64
 
 
-def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
-    """The textures that depend on the position, anywhere in a scene object."""
-    return [node for node in within(root) if isinstance(node, mi.Texture) and varies(node)]
+def varying_textures(*roots: "mi.Object") -> list["mi.Texture"]:
+    """The textures that depend on the position, anywhere in scene objects."""
+    nodes = [node for root in roots for node in within(root)]
+    return [node for node in nodes if isinstance(node, mi.Texture) and varies(node)]
 
 
 def varies(texture: "mi.Texture") -> bool:
@@ -34,7 +36,7 @@ def varies(texture: "mi.Texture") -> bool:
     if not (texture.is_spatially_varying() and texture.class_name().startswith("BitmapTexture")):
         return texture.is_spatially_varying()
     data = mi.traverse(texture)["data"]
-    if data.array.index_ad:  # `dr.grad_enabled` is false where gradients are suspended
+    if is_attached(data):
         return True
     texels = data.numpy().reshape(-1, data.shape[-1])
     return any((part != texels[0]).any() for part in (texels[:FIRST], texels))
@@ -60,21 +62,15 @@ def check_nodes(node: "mi.Object", where: str) -> None:
                 )
 
 
-def not_over_uv(root: "mi.Object") -> str | None:
-    """Description of a texture in a scene object that is not a function of uv, or None."""
-    names = [texture.class_name() for texture in varying_textures(root)]
+def not_over_uv(*roots: "mi.Object") -> str | None:
+    """Description of a texture in scene objects that is not a function of uv, or None."""
+    names = [texture.class_name() for texture in varying_textures(*roots)]
     return next((ELSEWHERE[name] for name in names if name in ELSEWHERE), None)
 
 
 def within(root: "mi.Object") -> list["mi.Object"]:
     """A scene object and all objects nested in it, each once."""
-    nodes, pending = {}, [root]
-    while pending:
-        node = pending.pop()
-        if id(node) not in nodes:
-            nodes[id(node)] = node
-            pending += nested_objects(node).values()
-    return list(nodes.values())
+    return list(mi.traverse(root).hierarchy)
 
 
 def nested_objects(node: "mi.Object") -> dict[str, "mi.Object"]:

@@ -9,12 +9,12 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import AIR, MIN_ALPHA, MIN_INDEX_STEP, Widths
+from urushi.checks import AIR, MIN_ALPHA, MIN_INDEX_STEP
 from urushi.errors import ParameterError
 from urushi.mitsuba.properties import describe
 from urushi.mitsuba.reading.grid import nested_objects, varies
-from urushi.mitsuba.reading.known import GGX, known_surface
-from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.mitsuba.reading.parameters import CoatTextures, alpha_of
+from urushi.mitsuba.reading.probing import GGX, known_surface
 from urushi.mitsuba.recording import opaque
 
 #: Classes of Mitsuba's dielectrics, and their plugins.
@@ -107,7 +107,7 @@ class LowestInterface:
     def alpha(self, si, active):
         """The GGX width, or two `Widths`; a smooth surface has the least one."""
         widths = [texture.eval_1(si, active) for texture in self.textures.values()]
-        return Widths(*widths) if self.is_anisotropic else (widths or [mi.Float(MIN_ALPHA)])[0]
+        return alpha_of(widths or [mi.Float(MIN_ALPHA)])
 
 
 def is_dielectric(bsdf: "mi.BSDF | None") -> bool:

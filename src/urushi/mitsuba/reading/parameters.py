@@ -1,11 +1,13 @@
 """The parameters of `layered` and `neural_layered`: a coat's textures and the BSDF under it."""
 
 import copy
+from collections.abc import Sequence
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import AIR, DEFAULT_COAT, MIN_ALPHA, MIN_INDEX_STEP, CoatParameters, Widths
@@ -48,7 +50,39 @@ CHECKS = {
 }
 
 
-class CoatTextures(Recorded):
+class Medium(Recorded):
+    """A medium of an index of refraction that is a number or a texture."""
+
+    outside = 1.0  # the index relative to air of what `opaque_eta` is relative to
+
+    def __init__(self, index: npt.ArrayLike, texture: "mi.Texture | None" = None):
+        """index: relative to air, a number or one per channel; times the texture, if given."""
+        self.opaque_eta = (mi.Spectrum if np.ndim(index) else mi.Float)(index)
+        self.textures = {} if texture is None else {"int_ior": texture}
+
+    @property
+    def has_textured_eta(self) -> bool:
+        """Whether the index is a texture, times `opaque_eta`."""
+        return "int_ior" in self.textures
+
+    def inside(self, si, active=True) -> Any:
+        """The index, relative to air."""
+        return self._eta_given(si, active) * self.outside
+
+    def _eta_given(self, si, active) -> Any:
+        if not self.has_textured_eta:
+            return self.opaque_eta
+        return self.opaque_eta * self.textures["int_ior"].eval_1(si, active)
+
+    def put_index(self, callback) -> None:
+        """List the index for `mi.traverse`, as that outside of what lies below."""
+        if self.has_textured_eta:
+            callback.put("ext_ior", self.textures["int_ior"], mi.ParamFlags.Differentiable)
+        else:
+            callback.put("ext_eta", self.opaque_eta, mi.ParamFlags.Differentiable)
+
+
+class CoatTextures(Medium):
     """The textures of a coat, read from a plugin's properties, and its relative index `eta`.
 
     An anisotropic coat has the textures `alpha_u` and `alpha_v` in place of `alpha`, a medium given
@@ -63,17 +97,15 @@ class CoatTextures(Recorded):
         medium = LOOK if "color" in defaults else PHYSICAL
         alpha, u, v = (props.get(n, None) for n in ("alpha", *TWO_WIDTHS))
         chosen = checks.widths(alpha, u, v, f"{self.where}:", DEFAULTS["alpha"])
-        widths = TWO_WIDTHS if isinstance(chosen, Widths) else ("alpha",)
-        names = [*widths, *medium, "g", *(n for n in NUMBERS if n in props)]
-        colours = tuple(name for name in ("alpha", *TWO_WIDTHS) if _is_colour(props, name))
+        self.widths = TWO_WIDTHS if isinstance(chosen, Widths) else ("alpha",)
+        names = [*self.widths, *medium, "g", *(n for n in NUMBERS if n in props)]
         # Widths given as colours or spectra; monochromatic variants read them as numbers.
-        self.coloured = () if mi.is_monochromatic else colours
-        self.textures = {  # by the properties' names
-            name: self._texture(props, name, defaults.get(name, 1.5), name in colours)
-            for name in names
-        }
+        colours = (name for name in self.widths if _is_colour(props, name))
+        self.coloured = () if mi.is_monochromatic else tuple(colours)
+        # By the properties' names
+        self.textures = {n: self._texture(props, n, defaults.get(n, 1.5)) for n in names}
         self.compensated = switch_of(props, "energy_compensation")
-        self.above: CoatTextures | None = None  # whose medium lies above in place of `ext_ior`
+        self.above: Medium | None = None  # whose medium lies above in place of `ext_ior`
         self._given = "ext_ior" in props
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:
@@ -90,35 +122,25 @@ class CoatTextures(Recorded):
             ratio = checks.eta(int_ior / ext_ior, f"{self.where}: int_ior / ext_ior")
             self.opaque_eta = opaque(float(ratio))
 
-    def relative_to(self, coat: "CoatTextures") -> "CoatTextures":
-        """The coat below the medium of another; itself if `ext_ior` was given.
+    def relative_to(self, medium: Medium) -> "CoatTextures":
+        """The coat below a medium, maybe that of another coat; itself if `ext_ior` was given.
 
-        Its textures, and the index of the other coat as "ext_ior", are shared.
+        Its textures, and the medium's as "ext_ior", are shared.
         """
         if self._given:
             return self
         below = copy.copy(self)
-        below.above = coat
-        if coat.has_textured_eta:
-            below.textures = self.textures | {"ext_ior": coat.textures["int_ior"]}
+        below.above = medium
+        if medium.has_textured_eta:
+            below.textures = self.textures | {"ext_ior": medium.textures["int_ior"]}
         return below
 
-    def of_index(self, texture: "mi.Texture") -> "CoatTextures":
-        """The coat whose index relative to the medium above is a texture."""
-        other = copy.copy(self)
-        other.textures = self.textures | {"int_ior": texture}
-        above = self.outside
-        if self.above is not None:
-            above = float(self.above.inside(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
-        other.opaque_eta, other.above = opaque(above / self.outside), None
-        return other
-
-    def of_index_in_air(self, texture: "mi.Texture") -> "CoatTextures":
-        """The coat whose index relative to air is a texture."""
-        other = copy.copy(self)
-        other.textures = self.textures | {"int_ior": texture}
-        other.opaque_eta, other.above = opaque(1 / self.outside), None
-        return other
+    @property
+    def index_above(self) -> float:
+        """The index above the coat relative to air, which is not textured."""
+        if self.above is None:
+            return self.outside
+        return float(self.above.inside(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
 
     @property
     def indices(self) -> list["mi.Float"]:
@@ -129,25 +151,15 @@ class CoatTextures(Recorded):
     def changing_indices(self) -> tuple[bool, bool]:
         """Whether the coat's own index varies or carries gradients, and that of the one above."""
 
-        def changes(coat: "CoatTextures | None") -> bool:
-            if coat is None:
+        def changes(medium: Medium | None) -> bool:
+            if medium is None:
                 return False
-            if not coat.has_textured_eta:
-                return is_attached(coat.opaque_eta)
-            texture = coat.textures["int_ior"]
+            if not medium.has_textured_eta:
+                return is_attached(medium.opaque_eta)
+            texture = medium.textures["int_ior"]
             return bool(varying_textures(texture)) or has_gradients(texture)
 
         return changes(self), changes(self.above)
-
-    def inside(self, si, active=True) -> "mi.Float":
-        """The index of refraction of the coat, relative to air."""
-        return self._eta_given(si, active) * self.outside
-
-    def _eta_given(self, si, active) -> "mi.Float":
-        """The index of refraction of the coat relative to what `ext_ior` gives."""
-        if not self.has_textured_eta:
-            return self.opaque_eta
-        return self.opaque_eta * self.textures["int_ior"].eval_1(si, active)
 
     def evaluate(self, si, active) -> CoatParameters:
         """The coat at a surface interaction: alpha and eta Dr.Jit floats, the others spectra.
@@ -163,7 +175,7 @@ class CoatTextures(Recorded):
             evaluate = texture.eval if name in self.coloured else texture.eval_1
             return evaluate(si, active)
 
-        alpha = Widths(*map(width, TWO_WIDTHS)) if self.is_anisotropic else width("alpha")
+        alpha = alpha_of([*map(width, self.widths)])
         g = textures["g"].eval(si, active)
         if "color" in textures:
             look = (textures[name].eval(si, active) for name in LOOK)
@@ -177,8 +189,7 @@ class CoatTextures(Recorded):
     @property
     def names(self) -> tuple[str, ...]:
         """The parameters of `at`."""
-        widths = TWO_WIDTHS if self.is_anisotropic else ("alpha",)
-        return (*widths, *CoatParameters._fields[1:])
+        return (*self.widths, *CoatParameters._fields[1:])
 
     def at(self, si, active=True) -> dict[str, list]:
         """The coat at a surface interaction by name; if anisotropic, `TWO_WIDTHS` for alpha.
@@ -188,20 +199,19 @@ class CoatTextures(Recorded):
         alpha, *others = self.evaluate(si, mi.Bool(active))
         values = [*microfacet.pair(alpha)] if self.is_anisotropic else [alpha]
         return {
-            name: spectrum.to_channels(x) if dr.depth_v(x) > 1 else [x]
+            name: list(x) if dr.depth_v(x) > 1 else [x]
             for name, x in zip(self.names, [*values, *others], strict=True)
         }
 
-    def channels(self, si) -> dict[str, list]:
-        """`at` for the bands that materials are read at."""
+    def numbers(self, uv: np.ndarray) -> dict[str, np.ndarray]:
+        """`at` points uv (M, 2), in the bands that materials are read at: float32 (C, M).
+
+        C is one if all channels share a number.
+        """
+        si = spectrum.points(uv)
         found = self.at(si)
         for name in ("albedo", "sigma_t", "g", *self.coloured) if mi.is_spectral else ():
             found[name] = spectrum.at_bands(si, lambda name=name: self.at(si)[name])
-        return found
-
-    def numbers(self, uv: np.ndarray) -> dict[str, np.ndarray]:
-        """`channels` at points uv (M, 2): float32 (C, M), C is one if all channels share them."""
-        found = self.channels(spectrum.points(uv))
         dr.eval(found)
         rows = {n: [np.broadcast_to(x.numpy(), len(uv)) for x in part] for n, part in found.items()}
         return {name: np.stack(part) for name, part in rows.items()}
@@ -216,14 +226,13 @@ class CoatTextures(Recorded):
         found = {n: x.T.astype(np.float64).round(6) for n, x in self.numbers(uv).items()}
         eta = found.pop("eta")
         eta = np.where(np.abs(eta - 1) < MIN_INDEX_STEP, 1, eta)
-        names = TWO_WIDTHS if self.is_anisotropic else ("alpha",)
-        alpha = [np.maximum(found.pop(name), MIN_ALPHA) for name in names]
-        return CoatParameters(alpha[0] if len(alpha) == 1 else Widths(*alpha), eta, **found)
+        alpha = [np.maximum(found.pop(name), MIN_ALPHA) for name in self.widths]
+        return CoatParameters(alpha_of(alpha), eta, **found)
 
     @property
     def is_anisotropic(self) -> bool:
         """Whether the coat has the textures `alpha_u` and `alpha_v`."""
-        return "alpha_u" in self.textures
+        return len(self.widths) == 2
 
     @property
     def has_rotation(self) -> bool:
@@ -243,15 +252,9 @@ class CoatTextures(Recorded):
         return float(texture.eval_1(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
 
     @property
-    def has_textured_eta(self) -> bool:
-        """Whether `int_ior` is a texture; `opaque_eta` is 1 / ext_ior then."""
-        return "int_ior" in self.textures
-
-    @property
     def eta(self) -> float:
         """The relative index of refraction, unless it is textured."""
-        above = 1.0 if self.above is None else float(self.above.inside(None).numpy()[0])
-        return float(self.opaque_eta.numpy()[0]) / above
+        return float(self.opaque_eta.numpy()[0]) / (self.index_above / self.outside)
 
     def traverse(self, callback, flags: "mi.ParamFlags") -> None:
         """List the textures and `eta` for `mi.traverse`."""
@@ -261,13 +264,6 @@ class CoatTextures(Recorded):
             callback.put("eta", self.opaque_eta, flags)
         if self.above is not None and not self.above.has_textured_eta:
             callback.put("ext_eta", self.above.opaque_eta, flags)
-
-    def put_index(self, callback) -> None:
-        """List the index inside for `mi.traverse`."""
-        if self.has_textured_eta:
-            callback.put("ext_ior", self.textures["int_ior"], mi.ParamFlags.Differentiable)
-        else:
-            callback.put("ext_eta", self.opaque_eta, mi.ParamFlags.Differentiable)
 
     def parameters_changed(self) -> None:
         """Check `eta`, which `mi.traverse` may have changed."""
@@ -282,10 +278,8 @@ class CoatTextures(Recorded):
             lines.append(f"  eta = {self.eta:g}")
         return ",\n".join(lines)
 
-    def _texture(
-        self, props: "mi.Properties", name: str, default: float, coloured_width: bool = False
-    ) -> "mi.Texture":
-        """A property as a texture; coloured_width: whether it is a width that may be a colour."""
+    def _texture(self, props: "mi.Properties", name: str, default: float) -> "mi.Texture":
+        """A property as a texture."""
         kind = props.type(name) if name in props else None
         if mi.is_spectral and kind == mi.Properties.Type.Color:
             color = [float(value) for value in props[name]]
@@ -304,12 +298,16 @@ class CoatTextures(Recorded):
                 raise ParameterError(
                     f"{self.where}: {name} must be a number, a spectrum or a texture"
                 ) from error
-        is_number = name in ("alpha", *TWO_WIDTHS, *NUMBERS) and not coloured_width
-        if is_number and _is_colour(props, name):
+        if name in NUMBERS and _is_colour(props, name):
             raise ParameterError(
                 f"{self.where}: {name} must be a number or a texture; all channels share it"
             )
         return texture
+
+
+def alpha_of(widths: Sequence[Any]) -> Any:
+    """A width as it is, and two as `Widths`."""
+    return widths[0] if len(widths) == 1 else Widths(*widths)
 
 
 def _is_colour(props: "mi.Properties", name: str) -> bool:

@@ -1,12 +1,20 @@
-"""Evaluation of Mitsuba BSDFs at pairs of directions."""
+"""What Mitsuba's BSDFs tell: values at pairs of directions, and for a coat above them, their lobes.
+
+Of Mitsuba's own, `roughconductor` with the GGX distribution is a lobe and nothing else,
+`roughplastic` and an isotropic `pplastic` have one, and `diffuse` has none. All are read from their
+parameters. Others are known by their values alone.
+"""
 
 import itertools
+from collections.abc import Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.checks import MIN_ALPHA
 from urushi.errors import ParameterError
 from urushi.material.symmetry import (
     AZIMUTHS,
@@ -18,7 +26,9 @@ from urushi.material.symmetry import (
     rotated_pairs,
 )
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.known import known_surface
+from urushi.mitsuba.reading.grid import nested_objects
+from urushi.mitsuba.surface import KnownSurface, surface_of
+from urushi.nets.lobe import NO_LOBE
 
 #: Greatest number of evaluations in one launch: bounds memory.
 CHUNK = 1 << 21
@@ -38,8 +48,12 @@ LEAST_AZIMUTHS = 6
 #: are averaged over fewer rotations than `symmetry.AZIMUTHS`.
 ANISOTROPIC_BUDGET = 1 << 32
 
-#: Greatest number of evaluations of a pair in one kernel.
-KERNEL_EVALUATIONS = 4
+#: The line of a BSDF's description that names its distribution, which it does not list
+#: among its parameters.
+GGX = "distribution = ggx"
+
+#: Mitsuba's rough plastics.
+PLASTICS = ("RoughPlastic", "PolarizedPlastic")
 
 
 def interaction(wi: Any, uv: Any, repeat: float | np.ndarray = 0.0) -> "mi.SurfaceInteraction3f":
@@ -74,7 +88,9 @@ def bsdf_values(
     parts = []
     for start in range(0, len(wi), CHUNK):
         rows = slice(start, start + CHUNK)
-        si = interaction(wi[rows], uv[rows], repeat)
+        si = interaction(
+            wi[rows], uv[rows], repeat[rows] if isinstance(repeat, np.ndarray) else repeat
+        )
         out = _vector(wo[rows])
         values = bsdf_channels(bsdf, si, out)
         dr.eval(values)
@@ -85,9 +101,7 @@ def bsdf_values(
 
 def bsdf_channels(bsdf: "mi.BSDF", si, wo: "mi.Vector3f") -> list:
     """f [1/sr] of each channel of a BSDF at a surface interaction, as Dr.Jit floats."""
-    return spectrum.at_bands(
-        si, lambda: spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, wo) / wo.z)
-    )
+    return spectrum.at_bands(si, lambda: bsdf.eval(mi.BSDFContext(), si, wo) / wo.z)
 
 
 class Averaging(NamedTuple):
@@ -126,8 +140,7 @@ def texel_values(
             a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
             channels = bsdf_channels(bsdf, interaction(a, where, float(repeat)), b)
             total = [x + y for x, y in zip(total, channels, strict=True)]
-            if count > KERNEL_EVALUATIONS:
-                dr.eval(total)
+            dr.eval(total)
         for channel, value in enumerate(total):
             values = np.broadcast_to((value / count).numpy(), len(part) * len(wi))
             part[:, channel] = values.reshape(len(part), len(wi))
@@ -185,6 +198,31 @@ def needed_repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int)
     return max(min(REPEATS, BUDGET // (points * len(wi))) // (2 * AZIMUTHS), 1)
 
 
+def _vector(w: Any, kind: Any = None) -> Any:
+    """An array (M, 3) as `mi.Vector3f`, or as another kind; a vector of Mitsuba's as it is."""
+    if not isinstance(w, np.ndarray):
+        return w
+    return (kind or mi.Vector3f)(np.ascontiguousarray(w.T, np.float32))
+
+
+def known_surface(bsdf: "mi.BSDF") -> KnownSurface:
+    """What is known of a BSDF, or of the front side of Mitsuba's `twosided`."""
+    surface = surface_of(bsdf)
+    if surface is not None:
+        return surface.known()
+    while bsdf.class_name() == "TwoSidedBRDF":
+        bsdf = nested_objects(bsdf)["brdf_0"]
+    if bsdf.class_name() == "SmoothDiffuse":
+        lobes = [[*map(mi.Float, NO_LOBE)]] * dr.size_v(mi.Spectrum)
+        return KnownSurface(lobes=lambda si: lobes)
+    plastic = bsdf.class_name() in PLASTICS and "alpha_u" not in nested_objects(bsdf)
+    if plastic and GGX in str(bsdf):
+        return KnownSurface(lobes=partial(_plastic_lobes, bsdf), table_source=lambda: bsdf)
+    if bsdf.class_name() == "RoughConductor" and GGX in str(bsdf):
+        return KnownSurface(lobes=partial(_conductor_lobes, nested_objects(bsdf)), lobe_only=True)
+    return KnownSurface()
+
+
 def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
     """The lobes float32 (M, C, 6 or 7) of a BSDF at points uv (M, 2); None: they are not known."""
     known = known_surface(bsdf)
@@ -197,8 +235,38 @@ def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
     return np.moveaxis(np.array(rows, np.float32), -1, 0)
 
 
-def _vector(w: Any, kind: Any = None) -> Any:
-    """An array (M, 3) as `mi.Vector3f`, or as another kind; a vector of Mitsuba's as it is."""
-    if not isinstance(w, np.ndarray):
-        return w
-    return (kind or mi.Vector3f)(np.ascontiguousarray(w.T, np.float32))
+def _conductor_lobes(textures: Mapping[str, "mi.Texture"], si) -> list[list]:
+    """The lobes of a conductor: six or seven Dr.Jit floats for each channel."""
+    names = ("alpha_u", "alpha_v") if "alpha_u" in textures else ("alpha",)
+    given = (textures[name].eval_1(si) for name in names)
+    # The derivative passes the bound, so that an optimiser can leave it.
+    alpha, *across = (dr.replace_grad(dr.maximum(x, MIN_ALPHA), x) for x in given)
+    columns = [_channels(textures, x, si) for x in ("specular_reflectance", "eta", "k")]
+    found = []
+    for reflectance, eta, k in zip(*columns, strict=True):
+        # Mitsuba's metal "none" has the index 0 and reflects all light.
+        exact = eta > 0
+        schlick = dr.select(exact, 0, reflectance)
+        index = dr.select(exact, eta, NO_LOBE[4]), dr.select(exact, k, 0)
+        factors = schlick, schlick, dr.select(exact, reflectance, 0)
+        found.append([alpha, *factors, *index, *across])
+    return found
+
+
+def _plastic_lobes(plastic: "mi.BSDF", si) -> list[list]:
+    """The lobes of a plastic: six Dr.Jit floats for each channel."""
+    given, textures, zero = mi.traverse(plastic), nested_objects(plastic), mi.Float(0)
+    alpha, eta = (
+        textures[name].eval_1(si) if name in textures else mi.Float(given[name])
+        for name in ("alpha", "eta")
+    )
+    alpha = dr.replace_grad(dr.maximum(alpha, MIN_ALPHA), alpha)
+    tints = _channels(textures, "specular_reflectance", si)
+    return [[alpha, zero, zero, tint, eta, zero] for tint in tints]
+
+
+def _channels(textures: Mapping[str, "mi.Texture"], name: str, si) -> list:
+    """The channels of a texture; ones if it is missing."""
+    if name in textures:
+        return [*textures[name].eval(si)]
+    return [mi.Float(1)] * dr.size_v(mi.Spectrum)

@@ -8,7 +8,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA
 from urushi.core.appearance import LOOK, PHYSICAL
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.grid import ELSEWHERE, varying_textures
+from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
 from urushi.mitsuba.reading.parameters import CHECKS, CoatTextures
 from urushi.textures.store import from_texture
 
@@ -27,29 +27,24 @@ def check_coat(coat: CoatTextures) -> None:
         label = "int_ior / ext_ior" if name == "eta" else name
         if follows := [x for texture in textures for x in getattr(texture, "sources", ())]:
             label += f", which follows from {', '.join(follows)},"
-        varying = [x for texture in textures for x in varying_textures(texture)]
-        if varying := varying or [x for x in textures if x.is_spatially_varying()]:
+        varying = varying_textures(*textures) or [x for x in textures if x.is_spatially_varying()]
+        if varying:
             label = f"a texel of {label}"
 
         def read(si, active, name=name, textures=textures) -> list:
             if name in coat.names and name not in PHYSICAL:  # those are without the thickness
                 return coat.at(si, active)[name]
             if name in (*LOOK, *PHYSICAL):
-                return spectrum.to_channels(textures[0].eval(si, active))
+                return [*textures[0].eval(si, active)]
             return [textures[0].eval_1(si, active)]
 
         ends = np.array(range_of(read, textures, (np.nan, np.nan), name != "eta"))
-        if np.isnan(ends).all() and elsewhere(textures):
+        if np.isnan(ends).all() and not_over_uv(*textures):
             continue
         ends = ends.astype(np.float64).round(6)
         if varying and CHECKS[name] is CHECKS["alpha"]:  # dark texels of a map, as in the walk
             ends = np.where((ends >= 0) & (ends < MIN_ALPHA), MIN_ALPHA, ends)
         CHECKS[name](ends, f"{coat.where}: {label}", any_shape=True)
-
-
-def elsewhere(textures: Sequence["mi.Texture"]) -> bool:
-    """Whether a texture is given on a mesh or in space, so that its values are not known here."""
-    return any(x.class_name() in ELSEWHERE for own in textures for x in varying_textures(own))
 
 
 def range_of(
@@ -68,13 +63,11 @@ def range_of(
         whole: all values.
         plain: whether it is the value of the only texture.
     """
-    low, high = np.inf, -np.inf
-    varying = [x for texture in textures for x in varying_textures(texture)]
+    varying = varying_textures(*textures)
     if not varying:
-        si = spectrum.points(spectrum.MIDDLE)
-        values = [x.numpy() for x in spectrum.at_bands(si, lambda: read(si, True))]
-        return float(np.min(values)), float(np.max(values))
-    if any(x.class_name() in ELSEWHERE for x in varying):
+        values = spectrum.channels_at(spectrum.MIDDLE, read)
+        return float(values.min()), float(values.max())
+    if not_over_uv(*textures):
         return whole
     only = varying[0]
     bitmap = only.class_name().startswith("BitmapTexture")
@@ -88,13 +81,9 @@ def range_of(
     places = [texel_centres(x, chosen) for x in varying]
     if len(places) > 1:  # a function of several textures may be extreme between their texels
         places.append(np.random.default_rng(0).random((POINTS, 2)))
-    for uv in places:
-        si = spectrum.points(uv)
-        with spectrum.reading_at(spectrum.FINE):
-            for x in spectrum.at_bands(si, lambda si=si: read(si, True)):
-                values = x.numpy()
-                low, high = np.minimum(low, values.min()), np.maximum(high, values.max())
-    return float(low), float(high)
+    with spectrum.reading_at(spectrum.FINE):
+        values = spectrum.channels_at(np.concatenate(places), read)
+    return float(values.min()), float(values.max())
 
 
 def texel_centres(texture: "mi.Texture", chosen: Sequence[int] = ()) -> np.ndarray:

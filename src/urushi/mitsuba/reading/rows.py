@@ -26,10 +26,10 @@ from urushi.mitsuba.reading.bottoms import (
     probed_codes,
     probed_tables,
 )
-from urushi.mitsuba.reading.changed import relative_to, replaced
+from urushi.mitsuba.reading.changed import derived, relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv
-from urushi.mitsuba.reading.known import known_surface
-from urushi.mitsuba.reading.textures import derived
+from urushi.mitsuba.reading.parameters import Medium
+from urushi.mitsuba.reading.probing import known_surface
 from urushi.mitsuba.reading.varying import BOTTOM, INSIDE, NANOMETRES, WAVELENGTH
 from urushi.nets.weights import Model
 from urushi.textures.axes import Varying
@@ -102,7 +102,7 @@ class BottomRows:
         plain = cls(model, layer, varying)
         if not varying:
             return plain
-        if any(not_over_uv(x.texture) for x in varying if x.texture):
+        if not_over_uv(*(x.texture for x in varying if x.texture)):
             some = {x.axis.name: np.array([x.axis.least]) for x in varying}
             return None if plain._at(some) is None else plain
         uv = np.random.default_rng(0).random((COMPARED, 2))
@@ -153,29 +153,26 @@ class BottomRows:
 
     def _at(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF | None":
         """The BSDF whose varying parameters have rows (k,) of values along u, by their names."""
-        textures, numbers = {}, {}
-        for x in self._varying:
-            if x.texture:
-                row = texels(rows[x.axis.name])
-                if x.changes:
-                    row = derived(
-                        lambda si, active, a, b: a + b, {"value": x.texture, "change": row}
-                    )
-                textures[id(x.texture)] = row
-            elif x.axis.name not in (INDEX, INSIDE):  # a number: it changes in all rows alike
-                numbers[x.axis.name.removeprefix(BOTTOM)] = x.axis.least + rows[x.axis.name][0]
         coat, nested = self._layer.coat, self._layer.nested
-        if INDEX in self._names:
-            constant = any(x.axis.name == INDEX and x.changes for x in self._varying)
-            coat = coat.of_index(texels(rows[INDEX] + (coat.eta if constant else 0)))
-        elif INSIDE in self._names:
-            (own,) = (x for x in self._varying if x.axis.name == INSIDE)
-            start = own.axis.least if own.changes else 0.0
-            coat = coat.of_index_in_air(texels(rows[INSIDE] + start))
+        textures, numbers = dict[int, Any](), {}
+        medium: Medium = coat
+        for x in self._varying:
+            name, row = x.axis.name, rows[x.axis.name]
+            if x.texture:
+                own = texels(row)
+                if x.changes:
+                    parts = {"value": x.texture, "change": own}
+                    own = derived(lambda si, active, a, b: a + b, parts)
+                textures[id(x.texture)] = own
+            elif name in (INDEX, INSIDE):
+                index = texels(row + (x.axis.least if x.changes else 0.0))
+                medium = Medium(coat.index_above if name == INDEX else 1.0, index)
+            else:  # a number: it changes in all rows alike
+                numbers[name.removeprefix(BOTTOM)] = x.axis.least + row[0]
         if not (textures or numbers):
-            return self._layer.below if coat is self._layer.coat else relative_to(nested, coat)
+            return self._layer.below if medium is coat else relative_to(nested, medium)
         found = replaced(nested, lambda x: textures.get(id(x), x), numbers)
-        return None if found is None else relative_to(found, coat)
+        return None if found is None else relative_to(found, medium)
 
     def substrate(
         self, values: Mapping[str, np.ndarray], channels: int

@@ -5,10 +5,9 @@ transform, mesh attribute and volume. A parameter that carries a gradient is an 
 the values that it may take. Parameters that follow from one texture share an axis.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -18,9 +17,9 @@ from urushi.core.namespace import NUMPY
 from urushi.material.layer import DEEPEST, WIDEST
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.changed import numbers_of
-from urushi.mitsuba.reading.grid import parts, varying_textures
+from urushi.mitsuba.reading.grid import not_over_uv, parts, varying_textures
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
-from urushi.mitsuba.reading.ranges import INDICES, elsewhere, range_of, texel_centres
+from urushi.mitsuba.reading.ranges import INDICES, range_of, texel_centres
 from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
 from urushi.textures.axes import (
     ALBEDO,
@@ -44,6 +43,9 @@ RANGES = {
     LINEAR: (0.0, 1.0),
 }
 
+#: Name of the axis of the index inside a coat relative to air.
+INSIDE = "inside"
+
 #: Scales of a coat's parameters, and the textures on which each depends; those of an appearance
 #: depend on g, too.
 COAT: dict[str, tuple[str, tuple[str, ...]]] = {
@@ -54,6 +56,7 @@ COAT: dict[str, tuple[str, tuple[str, ...]]] = {
     "albedo": (ALBEDO, ("albedo", *LOOK)),
     "sigma_t": (DEPTH, ("sigma_t", *LOOK, "thickness")),
     "g": (LINEAR, ("g",)),
+    INSIDE: (LINEAR, ("int_ior",)),
 }
 
 #: Range of g in which light transport is accurate, and relative indices on both sides of one.
@@ -78,9 +81,6 @@ PARTS, POINTS = 512, 1 << 14
 #: Within a part, the mean and the largest change of the coordinate of what follows from it.
 MEAN, MOST = 0.01, 0.1
 
-#: Name of the axis of the index inside a coat relative to air.
-INSIDE = "inside"
-
 #: Name of the axis of wavelengths, of the wavelengths on it [nm], and start of the names of a
 #: bottom's parameters.
 WAVELENGTH, NANOMETRES, BOTTOM = "wavelength", "nm", "bottom."
@@ -101,9 +101,9 @@ def varying_parameters(
         below = _of_bottom(bottom, coat.where) + _numbers_of_bottom(bottom)
     else:
         below = [x._replace(axis=x.axis._replace(name=_below(x.axis.name))) for x in known]
-    if relative and all(coat.changing_indices):
-        below += _index_inside(coat)
-    return list({x.axis.name: x for x in (*_of_coat(coat), *below)}.values())
+    inside = [INSIDE] if relative and all(coat.changing_indices) else []
+    found = *_of_coat(coat, [*coat.names, *inside]), *below
+    return list({x.axis.name: x for x in found}.values())
 
 
 def _below(name: str) -> str:
@@ -111,25 +111,26 @@ def _below(name: str) -> str:
     return name if name == WAVELENGTH else BOTTOM + name
 
 
-def _of_coat(coat: CoatTextures) -> list[Varying]:
+def _of_coat(coat: CoatTextures, names: Sequence[str]) -> list[Varying]:
+    """The parameters of a coat that vary or carry gradients, among some."""
     found = []
-    for name in coat.names:
+    for name in names:
         scale, sources = COAT[name]
         if name in PHYSICAL and "color" in coat.textures:
             sources = *sources, "g"
             if name == "albedo" and _is_dye(coat.textures["body"]):
                 continue
         own = [coat.textures[x] for x in sources if x in coat.textures]
-        indices = coat.indices if name == "eta" else ()
+        indices = {"eta": coat.indices, INSIDE: [coat.opaque_eta]}.get(name, [])
         gradient = any(map(has_gradients, own)) or any(map(is_attached, indices))
-        if not (gradient or any(map(varying_textures, own))):
+        if not (gradient or varying_textures(*own)):
             continue
 
         def read(si, active, name=name) -> list:
-            return coat.at(si, active)[name]
+            return [coat.inside(si, active)] if name == INSIDE else coat.at(si, active)[name]
 
-        whole = _whole(coat, name, scale)
-        ends = _resolved(scale, range_of(read, own, whole, own == [coat.textures.get(name)]))
+        whole = _whole(coat, name, scale, read, own)
+        ends = range_of(read, own, whole, own == [coat.textures.get(name)])
         coloured = name in ("albedo", "sigma_t", "g", *coat.coloured) and any(map(_coloured, own))
         axis = Axis(name, scale, *ends, coloured)
         found += _varying(axis, whole if gradient else None, read, own)
@@ -140,38 +141,14 @@ def _is_dye(body: "mi.Texture") -> bool:
     """Whether a medium of this body only absorbs, whatever its colour is."""
     if varying_textures(body) or has_gradients(body):
         return False
-    si = spectrum.points(spectrum.MIDDLE)
-    values = spectrum.at_bands(si, lambda: spectrum.to_channels(body.eval(si)))
-    return not any(x.numpy().any() for x in values)
-
-
-def _index_inside(coat: CoatTextures) -> list[Varying]:
-    """The index inside a coat relative to air, if it varies or carries gradients."""
-    texture = coat.textures.get("int_ior")
-    own = [] if texture is None else [texture]
-    gradient = is_attached(coat.opaque_eta) or any(map(has_gradients, own))
-
-    def read(si, active) -> list:
-        return [coat.inside(si, active)]
-
-    with dr.suspend_grad():
-        now = float(read(spectrum.points(spectrum.MIDDLE), True)[0].numpy()[0])
-    whole = ABOVE if now >= 1 else BELOW
-    axis = Axis(INSIDE, LINEAR, *range_of(read, own, whole, False))
-    return _varying(axis, whole if gradient else None, read, own)
-
-
-def _resolved(scale: str, ends: tuple[float, float]) -> tuple[float, float]:
-    """The ends of an axis; smaller widths than the least are that one."""
-    return (max(ends[0], MIN_ALPHA), max(ends[1], MIN_ALPHA)) if scale == WIDTH else ends
+    return not spectrum.channels_at(spectrum.MIDDLE, body.eval).any()
 
 
 def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
     """The textures of a bottom that vary or carry gradients."""
-    found, textures = [], parts(bottom)
-    first = {id(x): name for name, x in reversed(textures.items())}
+    found, textures = list[Varying](), parts(bottom)
     for name, texture in textures.items():
-        if not isinstance(texture, mi.Texture) or first[id(texture)] != name:
+        if not isinstance(texture, mi.Texture) or any(x.texture is texture for x in found):
             continue
         gradient = has_gradients(texture)
         if not (gradient or varying_textures(texture)):
@@ -181,21 +158,15 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
         bright = coloured or last == "base_weight"
         scale = WIDTH if last.startswith("alpha") else REFLECTANCE if bright else LINEAR
         whole = (0.0, np.inf) if last in ("eta", "k") else RANGES[scale]
-        if last in TWO_WIDTHS and elsewhere([texture]):
-            whole = _beside(textures[name[:-1] + ("v" if last == TWO_WIDTHS[0] else "u")])
-        elif last in TWO_WIDTHS:
-            with dr.suspend_grad():
-                whole = _near(float(texture.eval_1(spectrum.points(spectrum.MIDDLE)).numpy()[0]))
+        if last in TWO_WIDTHS:
+            whole = _one_of_two(textures, name)
 
         def read(si, active, texture=texture, coloured=coloured) -> list:
-            if not coloured:
-                return [texture.eval_1(si, active)]
-            return spectrum.to_channels(texture.eval(si, active))
+            return [*texture.eval(si, active)] if coloured else [texture.eval_1(si, active)]
 
         ends = range_of(read, [texture], whole, True)
         check = finite_number if scale == LINEAR else nonnegative
         check(ends, f"{where}: a texel of the nested BSDF's {name}", any_shape=True)
-        ends = _resolved(scale, ends)
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
         found += _varying(axis, whole if gradient else None, read, [texture], texture)
     return found
@@ -229,9 +200,12 @@ def _varying(
 
     whole: all the values that it may take, if it carries gradients.
     """
+    if axis.scale == WIDTH:  # smaller widths than the least are that one
+        least, most = max(axis.least, MIN_ALPHA), max(axis.most, MIN_ALPHA)
+        axis = axis._replace(least=least, most=most)
     if whole is None:
         return [Varying(axis, read, sources, texture)] if axis.least < axis.most else []
-    if not any(map(varying_textures, sources)):
+    if not varying_textures(*sources):
         return [Varying(axis, read, sources, texture, True, changes=_changes(axis, whole))]
     axis = axis._replace(least=min(axis.least, whole[0]), most=max(axis.most, whole[1]))
     return [Varying(axis, read, sources, texture, True)]
@@ -248,36 +222,40 @@ def _changes(axis: Axis, whole: tuple[float, float]) -> Changes:
     return -size, 0.0, size
 
 
-def _whole(coat: CoatTextures, name: str, scale: str) -> tuple[float, float]:
+def _whole(
+    coat: CoatTextures, name: str, scale: str, read: Callable, own: Sequence[Any]
+) -> tuple[float, float]:
     """All values of a parameter of a coat, as far as its codes reach."""
     if name == "g":
         return ASYMMETRIES
-    sources = [coat.textures[x] for x in COAT[name][1] if x in coat.textures]
-    if name == "eta" and elsewhere(sources):
+    if name in TWO_WIDTHS:
+        return _one_of_two(coat.textures, name)
+    if name not in ("eta", INSIDE):
+        return RANGES[scale]
+    if not_over_uv(*own):
         in_air = coat.above is None and coat.outside == 1
         return (1.0 if in_air else BELOW[0]), ABOVE[1]
-    if name in TWO_WIDTHS and elsewhere(sources):
-        return _beside(coat.textures[TWO_WIDTHS[name == TWO_WIDTHS[0]]])
-    with dr.suspend_grad():
-        si = dr.zeros(mi.SurfaceInteraction3f)
-        si.uv = mi.Point2f(0.5)
-        now = float(coat.at(si, True)[name][0].numpy()[0])
-    if name == "eta":
-        return ABOVE if now >= 1 else BELOW
-    return _near(now) if name in TWO_WIDTHS else RANGES[scale]
+    return ABOVE if _in_the_middle(read) >= 1 else BELOW
 
 
-def _near(width: float) -> tuple[float, float]:
-    """Values about one of two widths, whose ratio is bounded."""
-    return max(width / NEAR, MIN_ALPHA), min(width * NEAR, 1.0)
+def _one_of_two(textures: Mapping[str, Any], name: str) -> tuple[float, float]:
+    """All values of one of two widths, whose ratio is bounded.
 
-
-def _beside(other: "mi.Texture") -> tuple[float, float]:
-    """All values of one of two widths beside the other one, whose ratio is bounded."""
-    if elsewhere([other]):
+    textures: of both, by names that end with "u" and "v".
+    """
+    own, other = textures[name], textures[name[:-1] + ("v" if name[-1] == "u" else "u")]
+    if not_over_uv(own) is None:
+        width = _in_the_middle(lambda si, active: [own.eval_1(si, active)])
+        return max(width / NEAR, MIN_ALPHA), min(width * NEAR, 1.0)
+    if not_over_uv(other):
         return 1 / WIDEST, 1.0
     least, most = range_of(lambda si, active: [other.eval_1(si, active)], [other], (0.0, 1.0), True)
     return max(most / WIDEST, MIN_ALPHA), min(least * WIDEST, 1.0)
+
+
+def _in_the_middle(read: Callable) -> float:
+    """A number, which all channels share, in the middle of uv."""
+    return float(spectrum.channels_at(spectrum.MIDDLE, read)[0, 0])
 
 
 def _coloured(texture: "mi.Texture") -> bool:
@@ -319,8 +297,8 @@ def _only_source(parameter: Varying) -> "mi.Texture | None":
     """The only texture by which a parameter varies, if its values are known at points of uv."""
     if parameter.differentiable or parameter.places is not None:
         return None
-    found = {id(x): x for source in parameter.sources for x in varying_textures(source)}
-    return None if len(found) != 1 or elsewhere(parameter.sources) else next(iter(found.values()))
+    found = {id(x): x for x in varying_textures(*parameter.sources)}
+    return None if len(found) != 1 or not_over_uv(*found.values()) else next(iter(found.values()))
 
 
 def _relation(
