@@ -10,7 +10,7 @@ from tests.openpbr_surface.probes import anywhere, loaded, pairs, values
 import urushi
 from urushi.measured.rgl import srgb_weights
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.shares import tint_of
+from urushi.openpbr_surface.parts import tint_of
 
 VARIANTS = ("llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral")
 

@@ -38,6 +38,8 @@ class Part(NamedTuple):
 class Vertex(NamedTuple):
     """The material at a vertex."""
 
+    coated: Any  # of the coated base
+
     share: Any  # base_metalness
     eta: Any  # the coat's index
     tint: Any  # half the logarithm of coat_color
@@ -56,13 +58,14 @@ class Compensation:
     """
 
     UNRECORDED: ClassVar = ("_shared",)
+    _transmits = False
 
-    def __init__(self, inputs: Inputs, encoded: bool, coated: Coated):
+    def __init__(self, bsdf: "mi.BSDF", inputs: Inputs, encoded: bool, coated: Coated):
         """Measure white twins.
 
-        encoded: whether the coat has codes or a table. coated: makes the twins.
+        bsdf: the coated base. encoded: whether the coat has codes or a table. coated: makes twins.
         """
-        self._inputs, self._mirror = inputs, InterfaceAlbedo(MIRROR)
+        self._bsdf, self._inputs, self._mirror = bsdf, inputs, InterfaceAlbedo(MIRROR)
         self._losses: dict[float, LostLight] = {}  # by base_metalness of the twin
         for metalness in (0.0, 1.0):
             if not inputs.is_constant("base_metalness", 1 - metalness):
@@ -90,7 +93,7 @@ class Compensation:
         """Whether the measured twins belong to the present parameters."""
         return self._fixed() == self._shared
 
-    def vertex(self, si, active) -> Vertex:
+    def _vertex(self, si, active) -> Vertex:
         """The quantities that depend on the position and on wi alone."""
         inputs = self._inputs
         share = inputs.number("base_metalness", si, active)
@@ -108,10 +111,15 @@ class Compensation:
             place = loss.at(si, active)
             lost = loss.lost(si.wi, place)
             parts.append(Part(place, lost, formulas.promised(albedo, internal)))
-        return Vertex(share, eta, tint, _path(si.wi, eta), parts)
+        coated = self._bsdf._vertex(si, active)
+        return Vertex(coated, share, eta, tint, _path(si.wi, eta), parts)
 
-    def with_lost_light(self, vertex: Vertex, f, wo):
-        """f [1/sr] of the coated base with the light that it loses."""
+    def _proposal(self, vertex: Vertex, si, active):
+        return self._bsdf._proposal(vertex.coated, si, active)
+
+    def _f_and_pdf(self, vertex: Vertex, ctx, si, wo, active):
+        """Those of the coated base, f [1/sr] with the light that it loses."""
+        f, pdf = self._bsdf._f_and_pdf(vertex.coated, ctx, si, wo, active)
         # Of the refracted paths along wi and wo.
         tint, total = dr.exp(vertex.tint * (vertex.path + _path(wo, vertex.eta))), f
         for (metalness, loss), part in zip(self._losses.items(), vertex.parts, strict=True):
@@ -126,7 +134,10 @@ class Compensation:
                 f0 = dr.square((vertex.eta - 1) / (vertex.eta + 1))
                 seen = f0 + (1 - f0) * tint * part.below
                 total += (1 - vertex.share) * seen * (dr.inv_pi * (one + other - mean))
-        return dr.maximum(total, 0)
+        return dr.maximum(total, 0), pdf
+
+    def __str__(self) -> str:
+        return str(self._bsdf)
 
 
 def _path(w, eta):

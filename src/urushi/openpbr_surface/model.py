@@ -23,7 +23,7 @@ from urushi.core.facets import MIRROR, multiple_lobe
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
+from urushi.mitsuba.surface import KnownSurface, bsdf_of
 from urushi.mitsuba.tables import InterfaceAlbedo
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.film import NAMES as film_parameters
@@ -31,11 +31,15 @@ from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import RoughSlab
 from urushi.openpbr_surface.parameters import names_of
+from urushi.openpbr_surface.parts import OfInputs
 
 #: Least share of each lobe in the base's proposal.
 MIN_SHARE = 0.1
 
-#: The parameters that the base reads, besides the film's; see `Base.names`.
+#: Share of the proposal that fuzz leaves to what lies below, at the least.
+LEAST_BELOW = 0.1
+
+#: The parameters that the base reads, besides the film's; see `Base._configure`.
 NAMES = (*names_of("base", "specular"), "coat_weight", "coat_ior", "coat_darkening")
 
 #: The parameters on which the base's relative index depends.
@@ -54,7 +58,7 @@ class BaseVertex(NamedTuple):
     eta: Any  # the index relative to the medium above
 
 
-class Base(Surface):
+class Base(OfInputs):
     """The base substrate (3.2) without coat and fuzz, for directions in the medium above it.
 
     The dielectric's interface reflects by single scattering and passes the rest, so that a white
@@ -66,8 +70,12 @@ class Base(Surface):
 
         under_coat: whether `coat_darkening` has an effect.
         """
-        self._inputs, self._under_coat = inputs, under_coat
-        self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
+        self._under_coat = under_coat
+        super().__init__(inputs)
+
+    def _configure(self):
+        inputs = self._inputs
+        self._boosted = self._under_coat and not inputs.is_constant("coat_darkening", 1)
         self._only_metal = inputs.is_constant("base_metalness", 1)
         self._only_dielectric = inputs.is_constant("base_metalness", 0)
         self._film = self._slab = None
@@ -81,7 +89,9 @@ class Base(Surface):
         self._mirror = InterfaceAlbedo(MIRROR, two_widths)
         if not inputs.is_constant("base_diffuse_roughness", 0):
             self._slab = RoughSlab(eta)
-        super().__init__(mi.Properties("openpbr_base"), inputs.where)
+        tinted = self._boosted and not inputs.is_constant("coat_color", 1)
+        film = film_parameters if self._film else ()
+        self.names = (*NAMES, *(("coat_color",) if tinted else ()), *film)
 
     def _vertex(self, si, active) -> BaseVertex:
         inputs = self._inputs
@@ -200,13 +210,6 @@ class Base(Surface):
         tint = inputs.color("coat_color", si, active)
         return formulas.boost(darkening, internal, albedo, tint, DRJIT)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters that it reads."""
-        tinted = self._boosted and not self._inputs.is_constant("coat_color", 1)
-        film = film_parameters if self._film else ()
-        return (*NAMES, *(("coat_color",) if tinted else ()), *film)
-
     def known(self):
         return KnownSurface(lobes=self.lobes, table_source=lambda: self)
 
@@ -214,9 +217,6 @@ class Base(Surface):
         """See `Surface.replaced`."""
         inputs = self._inputs.with_textures(replacement)
         return bsdf_of(type(self)(inputs, self._under_coat))
-
-    def traverse(self, callback):
-        self._inputs.traverse(callback, self.names)
 
 
 def absorbed(inputs: Inputs, f, si, wo, active):
@@ -236,6 +236,10 @@ class Fuzz(NamedTuple):
     def hidden(self, w):
         """Share of the light from a direction that meets the fuzz."""
         return self.weight * formulas.fuzz_albedo(w.z, self.roughness, DRJIT)
+
+    def share(self, wi):
+        """Share of the proposal for light from wi."""
+        return dr.minimum(self.hidden(wi), 1 - LEAST_BELOW)
 
     def lobe(self, seen, lit):
         """The lobe of a seen direction over the cosine of the other [1/sr]."""

@@ -10,20 +10,24 @@ from urushi.core.namespace import DRJIT
 from urushi.mitsuba.frames import SlabMixture, raised, relative
 from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.reading.nested import DECIMALS
-from urushi.mitsuba.surface import Surface
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.bsdfs import OF_COAT, SPREAD, SurfaceProposal
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lost_light import AXES, LostLight
 from urushi.openpbr_surface.parts import (
     COATS,
+    INDICES,
+    SHARES,
     Coating,
+    OfInputs,
     absorption,
     coat_properties,
+    index2,
+    index_of,
     load_part,
+    tint_of,
     width_properties,
 )
-from urushi.openpbr_surface.shares import INDICES, SHARES, index2, index_of, tint_of
 from urushi.walk import interface
 
 #: Colours that are white where losses are measured.
@@ -49,7 +53,7 @@ class Returned(NamedTuple):
     share: Any  # of this proposal
 
 
-class Slab(Surface):
+class Slab(OfInputs):
     """A pane, or coats on it or on a body: a slab of the coats' plugins, and what it lacks.
 
     It lacks the tint of a coated body, and light that meets more than one facet. The lobe that
@@ -57,16 +61,18 @@ class Slab(Surface):
     """
 
     def __init__(self, inputs: Inputs, coating: Coating, coated: bool):
-        self._inputs, self._coating, self._coated = inputs, coating, coated
-        self._transmit(None if inputs.thin else index_of(inputs))
+        self._coated = coated
         self._layers = ("specular", "coat") if coated else ("specular",)
-        self._slab = self._made(inputs)
-        #: The parameters that it reads, and those by which it has no derivatives.
         self.names = (*OF_PANES, *(OF_COAT if coated else ()))
+        super().__init__(inputs, coating)
+
+    def _configure(self):
+        inputs = self._inputs
+        self._transmit(None if inputs.thin else index_of(inputs))
+        self._slab = self._made(inputs)
         colors = COLORS if self._is_table(inputs) and not mi.is_spectral else ()
         self.fixed = {*self.names} - {*colors}
         self._measure()
-        super().__init__(mi.Properties("openpbr_slab"), inputs.where)
 
     def _made(self, inputs: Inputs) -> "mi.BSDF":
         plugin = {"type": COATS[not self._is_table(inputs)]}

@@ -8,40 +8,20 @@ Departures from the specification: a share that is opaque looks the same from in
 a thin wall have the coat; specular_weight changes the index of the body, whatever lies above it.
 """
 
-from dataclasses import dataclass
-from typing import Any
-
 import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.frames import above_surface, raised, with_far_side
 from urushi.mitsuba.snapshot import has_gradients
-from urushi.mitsuba.surface import Surface, bsdf_of
-from urushi.openpbr_surface.bsdfs import OF_COAT, OpenPBRSurface, Part, SurfaceProposal
-from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.parts import Coating
-from urushi.openpbr_surface.shares import SHARES, index_of, opaque_share, shares
+from urushi.mitsuba.surface import bsdf_of
+from urushi.openpbr_surface.bsdfs import OF_COAT, Blend, Layer, OpenPBRSurface
+from urushi.openpbr_surface.parts import SHARES, index_of, opaque_share
 from urushi.openpbr_surface.slabs import Slab
 from urushi.openpbr_surface.two_sided import Glass, Sheet, Unseen
 
 
-@dataclass(frozen=True)
-class Layer:
-    """What has a share of the surface. Dr.Jit does not look into named tuples for its BSDF."""
-
-    bsdf: Any  # of `bsdf_of`, or `Unseen`
-    share: str  # of `Shares`
-    coated: bool | None = None  # whether it has the coated or the bare part of it; None: all
-
-
-class Body(Surface):
+class Body(Blend):
     """A surface that transmits light: a mixture of two-sided BSDFs."""
-
-    def __init__(self, inputs: Inputs, coating: Coating):
-        self._inputs, self._coating = inputs, coating
-        self._configure()
-        super().__init__(mi.Properties("openpbr"), inputs.where)
 
     def _configure(self):
         """Make the layers that parameters need."""
@@ -65,16 +45,8 @@ class Body(Surface):
                 slab = coated or inputs.thin
                 surface = Slab(inputs, self._coating, coated) if slab else Glass(inputs)
                 parts.append(Layer(bsdf_of(surface), share, coated))
-        self._parts, self._unseen, self._ior = parts, unseen, index
+        self._layers, self._unseen, self._ior = parts, unseen, index
         self._transmit(None if inputs.thin else index)
-
-    def _weights(self, layers: list[Layer], si, active) -> list:
-        """The shares of layers at an interaction."""
-        inputs = self._inputs
-        found = shares(*(inputs.number(x, si, active) for x in SHARES))
-        coat = inputs.number("coat_weight", si, active)
-        covered = {None: 1, True: coat, False: 1 - coat}
-        return [getattr(found, layer.share) * covered[layer.coated] for layer in layers]
 
     def _flags(self):
         flags = mi.BSDFFlags
@@ -109,53 +81,17 @@ class Body(Surface):
     def eval_null_transmission(self, si, active=True):
         return self._straight(mi.BSDFContext(), si, active)[1]
 
-    def _turn(self, si, active):
-        return self._inputs.turn(si, active)
-
-    def _vertex(self, si, active):
-        pairs = zip(self._parts, self._weights(self._parts, si, active), strict=True)
-        return [
-            Part(layer.bsdf, layer.bsdf._vertex(self._seen(layer.bsdf, si), active), weight)
-            for layer, weight in pairs
-        ]
-
-    def _seen(self, bsdf, si):
-        """The interaction as a part has it: what is opaque looks the same from both sides."""
-        return si if bsdf._transmits else above_surface(si)
-
-    def _f_and_pdf(self, vertex, ctx, si, wo, active):
-        f, pdf, near = mi.Spectrum(0), mi.Float(0), si.wi.z * wo.z > 0
-        for part in vertex:
-            if part.bsdf._transmits:
-                value, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
-            else:
-                seen = self._seen(part.bsdf, si), raised(wo), active & near
-                found = part.bsdf._f_and_pdf(part.vertex, ctx, *seen)
-                value, density = (dr.select(near, x, 0) for x in found)
-            f += part.weight * value
-            pdf += part.weight * density
-        return f, pdf
-
-    def _proposal(self, vertex, si, active):
-        proposals = []
-        for part in vertex:
-            proposal = part.bsdf._proposal(part.vertex, self._seen(part.bsdf, si), active)
-            if not part.bsdf._transmits:
-                proposal = with_far_side(proposal, 0.0)
-            proposals.append((proposal, part.weight))
-        return SurfaceProposal(proposals)
-
     def traverse(self, callback):
         names = [*SHARES]
-        for part in (*self._parts, *self._unseen):
-            names += part.bsdf.names
+        for layer in (*self._layers, *self._unseen):
+            names += layer.bsdf.names
         if "transmission_color" in names:  # a coat may appear
             names += ("coat_weight", *OF_COAT)
         self._inputs.traverse(callback, dict.fromkeys(names), self._fixed())
 
     def _fixed(self) -> set[str]:
         """The parameters by which a part has no derivatives."""
-        return {name for part in self._parts for name in getattr(part.bsdf, "fixed", ())}
+        return {name for layer in self._layers for name in layer.bsdf.fixed}
 
     def _update(self, keys):
         changed = {*keys}
@@ -169,10 +105,6 @@ class Body(Surface):
         if self._inputs.refresh() or index_of(self._inputs) != self._ior:
             self._configure()
         else:
-            for part in self._parts:
-                if not changed or not changed.isdisjoint(part.bsdf.names):
-                    part.bsdf.parameters_changed(list(keys))
-
-    def to_string(self):
-        parts = ",\n".join(str(part.bsdf) for part in self._parts)
-        return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
+            for layer in self._layers:
+                if not changed or not changed.isdisjoint(layer.bsdf.names):
+                    layer.bsdf.parameters_changed(list(keys))

@@ -17,7 +17,6 @@ from urushi.core.facets import MIRROR
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised, relative, with_far_side
-from urushi.mitsuba.surface import Surface
 from urushi.mitsuba.tables import InterfaceAlbedo
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.bsdfs import SPREAD, SurfaceProposal
@@ -25,7 +24,7 @@ from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import names_of
-from urushi.openpbr_surface.shares import INDICES, index2, index_of, tint_of
+from urushi.openpbr_surface.parts import INDICES, OfInputs, index2, index_of, tint_of
 from urushi.walk import interface
 
 #: Least share of the proposal for light that meets more than one facet.
@@ -98,13 +97,8 @@ class Unseen:
         return tint * dr.power(slab, 1 / dr.maximum(dr.abs(si.wi.z), 1e-6))
 
 
-class Glass(Surface):
+class Glass(OfInputs):
     """The surface of a body whose medium transmits light (3.2.4)."""
-
-    def __init__(self, inputs: Inputs):
-        self._inputs = inputs
-        self._configure()
-        super().__init__(mi.Properties("openpbr_glass"))
 
     def _configure(self):
         index = index_of(self._inputs)
@@ -119,6 +113,12 @@ class Glass(Surface):
         film = not self._inputs.is_constant("thin_film_weight", 0)
         self._film: Any = FilmFresnel(self._inputs) if film else None
         self._mirror: Any = InterfaceAlbedo(MIRROR, two_widths) if film else None
+        bare = film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
+        self.names = (
+            *names_of("specular"),
+            "transmission_color",
+            *(film_parameters if bare else ()),
+        )
 
     def _vertex(self, si, active):
         inputs = self._inputs
@@ -194,27 +194,21 @@ class Glass(Surface):
         facets = Facets(vertex.widths, vertex.eta, reflected)
         return SurfaceProposal([(facets, 1 - lost), (SlabMixture(SPREAD, SPREAD, 0.5, 1.0), lost)])
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters that it reads."""
-        bare = self._film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
-        film = film_parameters if bare else ()
-        return (*names_of("specular"), "transmission_color", *film)
-
-    def traverse(self, callback):
-        self._inputs.traverse(callback, self.names)
-
     def _update(self, keys):
         self._configure()
 
 
-class Sheet(Surface):
+class Sheet(OfInputs):
     """A thin wall of a medium that scatters light to both sides, below interfaces (3.2.3)."""
 
-    def __init__(self, inputs: Inputs):
-        self._inputs, self._base = inputs, model.Base(inputs, False)
+    names = (
+        *("subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"),
+        *names_of("specular"),
+    )
+
+    def _configure(self):
+        self._base = model.Base(self._inputs, False)
         self._transmit()
-        super().__init__(mi.Properties("openpbr_sheet"))
 
     def _vertex(self, si, active):
         inputs, vertex = self._inputs, self._base._vertex(si, active)
@@ -237,12 +231,3 @@ class Sheet(Surface):
         through = dr.clip((1 - reflected) * forward, 0, 1 - model.MIN_SHARE)
         share = dr.clip(reflected / (1 - through), model.MIN_SHARE, 1 - model.MIN_SHARE)
         return with_far_side(Mixture([share, 1 - share], [near.widths]), through)
-
-    #: The parameters that it reads.
-    names = (
-        *("subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"),
-        *names_of("specular"),
-    )
-
-    def traverse(self, callback):
-        self._inputs.traverse(callback, self.names)
