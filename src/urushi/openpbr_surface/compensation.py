@@ -107,7 +107,7 @@ class Compensation:
                 weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
                 f82 = fresnel.f82_mean(color, inputs.color("specular_color", si, active), DRJIT)
                 alpha = formulas.lobe_width(inputs.number("specular_roughness", si, active), DRJIT)
-                albedo = multiple_albedo(weight * f82, self._mirror.reflected_mean(alpha))
+                albedo = multiple_albedo(weight * f82, self._mirror.reflected(None, alpha))
             place = loss.at(si, active)
             lost = loss.lost(si.wi, place)
             parts.append(Part(place, lost, formulas.promised(albedo, internal)))

@@ -82,12 +82,8 @@ class FilmFresnel:
         film, edge, passes = self._film(si, active), eta, 1 - bare
         if self._total:  # index of a bare dielectric that reflects totally at the same facets
             edge = dr.select(film.eta < 1, dr.minimum(film.eta, eta), eta)
-            if cosine is None:
-                more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))
-                seen = self._mirror.reflected_mean(alpha)
-            else:
-                more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
-                seen = self._mirror.reflected(cosine, alpha)
+            more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
+            seen = self._mirror.reflected(cosine, alpha)
             passes -= (more - less) / dr.maximum(seen, _LEAST)
         filmed, unfilmed = mi.Spectrum(0), mi.Float(0)
         for c, weight in self.facets(cosine, alpha):

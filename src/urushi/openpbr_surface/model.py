@@ -146,27 +146,25 @@ class Base(OfInputs):
         if self._film:
             reflectance = self._film.metal(cosine, color, tint, reflectance, si, active)
             mean = self._film.metal(mi.Float(thin_film.MEAN_COSINE), color, tint, mean, si, active)
-        first, second = (self._mirror.reflected(w, widths) for w in (si.wi, wo))
-        more = multiple_lobe(first, second, self._mirror.reflected_mean(widths), mean)
-        return vertex.weight * (lobe * reflectance + more)
+        first, second, seen = (self._mirror.reflected(w, widths) for w in (si.wi, wo, None))
+        return vertex.weight * (lobe * reflectance + multiple_lobe(first, second, seen, mean))
 
     def diffuse(self, vertex: BaseVertex, si, wo, active):
         """The interface passes light, the diffuse slab reflects it [1/sr]."""
         color, alpha, eta = vertex.color, vertex.alpha, vertex.eta
-        reflected = [self.reflected(w, vertex) for w in (si.wi, wo)]
-        mean = self._albedo.reflected_mean(vertex.widths, eta)
-        if self._film:
-            for i, w in enumerate((si.wi, wo)):
+        passed = []  # of the light from wi and wo, and of diffuse light
+        for w in (si.wi, wo, None):
+            reflected = self.reflected(w, vertex)
+            if self._film:
                 seen = dr.maximum(self._mirror.reflected(w, vertex.widths), 1e-4)
-                bare = reflected[i] / seen
-                reflected[i] = seen * self._film.mean(w.z, alpha, eta, bare, si, active)
-            seen = self._mirror.reflected_mean(vertex.widths)
-            mean = seen * self._film.mean(None, alpha, eta, mean / seen, si, active)
-        passed, mean = (1 - reflected[0]) * (1 - reflected[1]), dr.maximum(1 - mean, 1e-4)
+                cosine, bare = None if w is None else w.z, reflected / seen
+                reflected = seen * self._film.mean(cosine, alpha, eta, bare, si, active)
+            passed.append(1 - reflected)
+        both, mean = passed[0] * passed[1], dr.maximum(passed[2], 1e-4)
         if self._slab is None:
-            return color * (passed * dr.inv_pi / mean)
+            return color * (both * dr.inv_pi / mean)
         rough = self._inputs.number("base_diffuse_roughness", si, active)
-        return self._slab.f(si.wi, wo, color, rough, (alpha, eta), passed, mean)
+        return self._slab.f(si.wi, wo, color, rough, (alpha, eta), both, mean)
 
     def lobes(self, si) -> list[list]:
         """The numbers of the facets' lobe, see `urushi.nets.lobe`: a list for each channel.
@@ -192,7 +190,7 @@ class Base(OfInputs):
         return [list(c) for c in zip(*map(spectrum.to_channels, values), strict=True)]
 
     def reflected(self, w, vertex: BaseVertex):
-        """Share of the light from a direction that the dielectric's interface reflects."""
+        """Share of light from w, or of diffuse light if it is None, that the interface reflects."""
         return self._albedo.reflected(w, vertex.widths, vertex.eta)
 
     def boost(self, vertex: BaseVertex, si, active):

@@ -152,8 +152,7 @@ class Glass(OfInputs):
         for c, weight in self._film.facets(None if w is None else w.z, 0.5 * (along + across)):
             bare = fresnel.dielectric(c, eta)[0]
             more += weight * (self._fresnel(c, eta, above, si, active) - bare)
-        mirror = self._mirror
-        seen = mirror.reflected_mean(widths) if w is None else mirror.reflected(w, widths)
+        seen = self._mirror.reflected(w, widths)
         leaves = passed / dr.maximum(1 - reflected / dr.maximum(seen, 1e-3), 1e-2)
         return lost + more * (dr.minimum(leaves, 1) - seen)
 
