@@ -65,14 +65,6 @@ class Layer:
     coated: bool | None = None  # whether it has the coated or the bare part of it; None: all
 
 
-class Part(NamedTuple):
-    """A BSDF at a vertex."""
-
-    bsdf: Any  # of `mitsuba.surface.bsdf_of`
-    vertex: Any  # its own
-    weight: Any  # its weight in the mixture
-
-
 class Blend(OfInputs):
     """A mixture of BSDFs. In what transmits light, opaque ones look the same from both sides."""
 
@@ -93,11 +85,10 @@ class Blend(OfInputs):
         return self._inputs.turn(si, active)
 
     def _vertex(self, si, active) -> Any:
-        pairs = zip(self._layers, self._weights(self._layers, si, active), strict=True)
-        return [
-            Part(layer.bsdf, layer.bsdf._vertex(self._seen(layer.bsdf, si), active), weight)
-            for layer, weight in pairs
-        ]
+        """BSDFs, each with its own vertex and its weight."""
+        bsdfs = [layer.bsdf for layer in self._layers]
+        own = [bsdf._vertex(self._seen(bsdf, si), active) for bsdf in bsdfs]
+        return [*zip(bsdfs, own, self._weights(self._layers, si, active), strict=True)]
 
     def _seen(self, bsdf, si):
         """The interaction as a BSDF has it."""
@@ -105,24 +96,24 @@ class Blend(OfInputs):
 
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
         f, pdf, near = mi.Spectrum(0), mi.Float(0), si.wi.z * wo.z > 0
-        for part in vertex:
-            if part.bsdf._transmits == self._transmits:
-                value, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
+        for bsdf, own, weight in vertex:
+            if bsdf._transmits == self._transmits:
+                value, density = bsdf._f_and_pdf(own, ctx, si, wo, active)
             else:
-                seen = self._seen(part.bsdf, si), raised(wo), active & near
-                found = part.bsdf._f_and_pdf(part.vertex, ctx, *seen)
+                seen = self._seen(bsdf, si), raised(wo), active & near
+                found = bsdf._f_and_pdf(own, ctx, *seen)
                 value, density = (dr.select(near, x, 0) for x in found)
-            f += part.weight * value
-            pdf += part.weight * density
+            f += weight * value
+            pdf += weight * density
         return f, pdf
 
     def _proposal(self, vertex, si, active):
         proposals = []
-        for part in vertex:
-            proposal = part.bsdf._proposal(part.vertex, self._seen(part.bsdf, si), active)
-            if part.bsdf._transmits != self._transmits:
+        for bsdf, own, weight in vertex:
+            proposal = bsdf._proposal(own, self._seen(bsdf, si), active)
+            if bsdf._transmits != self._transmits:
                 proposal = with_far_side(proposal, 0.0)
-            proposals.append((proposal, part.weight))
+            proposals.append((proposal, weight))
         return SurfaceProposal(proposals)
 
     def to_string(self):

@@ -2,22 +2,190 @@
 
 A `Body` mixes two-sided BSDFs by the shares of the base: opaque, an interface with a
 medium below it (`Glass`), a thin wall that scatters light (`Sheet`), and slabs of the plugins
-`layered` and `neural_layered` (`slabs`): coats on glass, panes, and panes with coats on both sides.
+`layered` and `neural_layered` (`Slab`): coats on glass, panes, and panes with coats on both sides.
 What has the index of what lies outside lets light pass straight on (`Unseen`).
 Departures from the specification: a share that is opaque looks the same from inside; both sides of
 a thin wall have the coat; specular_weight changes the index of the body, whatever lies above it.
 """
 
+from typing import Any, NamedTuple
+
 import drjit as dr
 import mitsuba as mi
 
+from urushi.checks import AIR
+from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
+from urushi.mitsuba.frames import SlabMixture, raised, relative
+from urushi.mitsuba.reading.grid import varies
+from urushi.mitsuba.reading.nested import DECIMALS
 from urushi.mitsuba.snapshot import has_gradients
 from urushi.mitsuba.surface import bsdf_of
-from urushi.openpbr_surface.bsdfs import OF_COAT, Blend, Layer, OpenPBRSurface
-from urushi.openpbr_surface.parts import SHARES, index_of, opaque_share
-from urushi.openpbr_surface.slabs import Slab
+from urushi.openpbr_surface import formulas
+from urushi.openpbr_surface.bsdfs import (
+    OF_COAT,
+    SPREAD,
+    Blend,
+    Layer,
+    OpenPBRSurface,
+    SurfaceProposal,
+)
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.lost_light import AXES, LostLight
+from urushi.openpbr_surface.parts import (
+    COATS,
+    INDICES,
+    SHARES,
+    Coating,
+    OfInputs,
+    absorption,
+    coat_properties,
+    index2,
+    index_of,
+    load_part,
+    opaque_share,
+    tint_of,
+    width_properties,
+)
 from urushi.openpbr_surface.two_sided import Glass, Sheet, Unseen
+from urushi.walk import interface
+
+#: Colours that are white where losses are measured.
+COLORS = ("coat_color", "transmission_color", "specular_color")
+
+#: Parameters on which the light that slabs lose does not depend.
+LOSSLESS = {*COLORS, *SHARES, "coat_weight"}
+
+#: Parameters that the tables of slabs hold as constants.
+TABULATED = ("specular_roughness", "transmission_color", "coat_roughness", "coat_ior", "coat_color")
+
+#: The parameters of panes.
+OF_PANES = ("specular_roughness", "specular_roughness_anisotropy", "transmission_color", *INDICES)
+
+
+class Returned(NamedTuple):
+    """Light that meets more than one facet, at a vertex."""
+
+    place: Any  # in the table of lost light
+    lost: Any  # share of the light from wi
+    scale: Any  # of the lobe
+    proposal: Any  # of its directions
+    share: Any  # of this proposal
+
+
+class Slab(OfInputs):
+    """A pane, or coats on it or on a body: a slab of the coats' plugins, and what it lacks.
+
+    It lacks the tint of a coated body, and light that meets more than one facet. The lobe that
+    returns this light is as that of `two_sided.Glass`.
+    """
+
+    def __init__(self, inputs: Inputs, coating: Coating, coated: bool):
+        self._coated = coated
+        self._layers = ("specular", "coat") if coated else ("specular",)
+        self.names = (*OF_PANES, *(OF_COAT if coated else ()))
+        super().__init__(inputs, coating)
+
+    def _configure(self):
+        inputs = self._inputs
+        self._transmit(None if inputs.thin else index_of(inputs))
+        self._slab = self._made(inputs)
+        colors = COLORS if self._is_table(inputs) and not mi.is_spectral else ()
+        self.fixed = {*self.names} - {*colors}
+        self._measure()
+
+    def _made(self, inputs: Inputs) -> "mi.BSDF":
+        plugin = {"type": COATS[not self._is_table(inputs)]}
+        return load_part(inputs, slab_of(inputs, self._coated) | plugin)
+
+    def _is_table(self, inputs: Inputs) -> bool:
+        """Whether it is a table: where it is constant, also by no bitmap, and isotropic."""
+        isotropic = all(inputs.is_constant(f"{x}_roughness_anisotropy", 0) for x in self._layers)
+        given = [inputs.textures[x] for x in (TABULATED if self._coated else TABULATED[:2])]
+        varying = any(x.is_spatially_varying() or varies(x) for x in given)
+        return self._coating.tables and isotropic and not varying
+
+    def _measure(self):
+        """Measure the light that it loses, unless it stays lost."""
+        self._losses: Any = None
+        if self._coating.compensated:
+            names = [name for name in AXES if name.split("_")[0] in self._layers]
+            self._losses = LostLight(self._inputs, names, self._layers, self._white)
+
+    def _white(self, textures: dict[str, Any]) -> "mi.BSDF":
+        if not textures and all(self._inputs.is_constant(name, 1) for name in COLORS):
+            return self._slab
+        return self._made(self._inputs.replaced(dict.fromkeys(COLORS, 1.0) | textures))
+
+    def _vertex(self, si, active):
+        slab = self._slab._vertex(si, active)
+        if self._losses is None:
+            return slab, None
+        place = self._losses.at(si, active)
+        _, above, _, below = self._losses.means(place)
+        below = dr.pi * self._index * self._index * below
+        scale = dr.maximum(dr.pi * above + below, 1e-5)
+        below = below / scale
+        through = dr.select(si.wi.z > 0, below, 1 - below)
+        lost, sides = self._losses.lost(si.wi, place), SlabMixture(SPREAD, SPREAD, 1 - through, 1.0)
+        return slab, Returned(place, lost, scale, sides, dr.clip(lost, 0, 0.9))
+
+    def _f_and_pdf(self, vertex, ctx, si, wo, active):
+        slab, returned = vertex
+        f, pdf = self._slab._f_and_pdf(slab, ctx, si, wo, active)
+        inputs, through, tint = self._inputs, si.wi.z * wo.z < 0, tint_of(self._inputs, si, active)
+        if self._coated and not inputs.thin:
+            # Light from below that the surface of the body does not reflect crosses it twice.
+            coat = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
+            a, b = raised(si.wi), relative(si.wi, wo)
+            widths = inputs.widths("specular", si, active)
+            first = interface.reflection(a, b, widths, coat / self._index)
+            below = (si.wi.z < 0) & ~through
+            f = dr.select(below, first + tint * tint * (f - first), f * dr.select(through, tint, 1))
+        if returned is None:
+            return f, pdf
+        one, other = returned.lost, self._losses.lost(wo, returned.place)
+        lobe = dr.maximum(one, 0) * dr.maximum(other, 0)
+        lobe *= index2(wo, self._index) / returned.scale
+        if self._coated:
+            tint *= dr.sqrt(inputs.color("coat_color", si, active))
+        if ctx.mode != mi.TransportMode.Importance:
+            lobe = lobe / dr.select(through, dr.square(self._index_across(si.wi)), 1)
+        pdf = dr.lerp(pdf, returned.proposal.pdf(si.wi, wo), returned.share)
+        return f + tint * lobe, pdf
+
+    def _proposal(self, vertex, si, active):
+        slab, returned = vertex
+        proposal = self._slab._proposal(slab, si, active)
+        if returned is None:
+            return proposal
+        return SurfaceProposal(
+            [(proposal, 1 - returned.share), (returned.proposal, returned.share)]
+        )
+
+    def _update(self, keys):
+        self._slab.parameters_changed(list(keys))
+        if not keys or not {*keys} <= LOSSLESS:
+            self._measure()
+
+
+def slab_of(inputs: Inputs, coated: bool) -> dict[str, Any]:
+    """A slab as a dictionary of a plugin, without its type: a pane, or coats on it or on a body."""
+    index, rough = index_of(inputs), width_properties(inputs, "specular")
+    pane = {"int_ior": index, **rough, **absorption(inputs, "transmission_color", 2)}
+    if not coated:
+        return pane | {"ext_ior": 1.0}
+    coat, glass = coat_properties(inputs), {"type": "roughdielectric", "distribution": "ggx"}
+    if not inputs.thin:
+        return coat | {"base": glass | rough | {"int_ior": round(index * AIR, DECIMALS)}}
+    # The coat below lies between the pane's lower surface and its own.
+    outer = width_properties(inputs, "coat")
+    below = {name: x for name, x in coat.items() if name not in ("ext_ior", *outer)} | rough
+    # Mitsuba refuses equal indices.
+    far = glass | outer | {"int_ior": AIR * (1 + 1e-5)}
+    inner = {"type": "layered", "inner": True, "origin": inputs.where}
+    pane |= inner | {"base": below | inner | {"base": far}}
+    return coat | {"base": pane}
 
 
 class Body(Blend):
