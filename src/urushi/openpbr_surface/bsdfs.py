@@ -72,10 +72,9 @@ class Blend(OfInputs):
 
     def _weights(self, layers: Sequence[Layer], si, active) -> list:
         """The shares of layers at an interaction."""
-        inputs = self._inputs
-        found = shares(*(inputs.number(x, si, active) for x in SHARES))
-        coat = inputs.number("coat_weight", si, active)
-        covered = {None: 1, True: coat, False: 1 - coat}
+        at = self._inputs.at(si, active)
+        found = shares(*at.of(*SHARES))
+        covered = {None: 1, True: at.coat_weight, False: 1 - at.coat_weight}
         return [
             mi.Float((getattr(found, layer.share) if layer.share else 1) * covered[layer.coated])
             for layer in layers
@@ -165,14 +164,10 @@ class OpenPBRSurface(Blend):
         return self._coated is not None and known_surface(self._coated).latents is None
 
     def _vertex(self, si, active):
-        parts, inputs, fuzz = super()._vertex(si, active), self._inputs, None
+        at, fuzz = self._inputs.at(si, active), None
         if self._fuzz:
-            fuzz = model.Fuzz(
-                inputs.number("fuzz_weight", si, active),
-                inputs.color("fuzz_color", si, active),
-                inputs.number("fuzz_roughness", si, active),
-            )
-        return parts, fuzz
+            fuzz = model.Fuzz(at.fuzz_weight, at.fuzz_color, at.fuzz_roughness)
+        return super()._vertex(si, active), fuzz
 
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
         parts, fuzz = vertex
@@ -210,10 +205,9 @@ class OpenPBRSurface(Blend):
 
     def _coat_lobes(self, si) -> list[list]:
         """The lobes of the coat's interface, as of `model.Base.lobes`."""
-        inputs, active, zero = self._inputs, mi.Bool(True), mi.Float(0)
-        index = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
-        alpha, weight = inputs.widths("coat", si, active), inputs.number("coat_weight", si, active)
-        lobe = [alpha, zero, zero, weight, index, zero]
+        at, zero = self._inputs.at(si, mi.Bool(True)), mi.Float(0)
+        index = formulas.interface_index(at.coat_ior, DRJIT)
+        lobe = [at.widths("coat"), zero, zero, at.coat_weight, index, zero]
         return [lobe] * len(spectrum.to_channels(mi.Spectrum(0)))
 
     def replaced(self, replacement):

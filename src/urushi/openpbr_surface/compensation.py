@@ -95,24 +95,22 @@ class Compensation:
 
     def _vertex(self, si, active) -> Vertex:
         """The quantities that depend on the position and on wi alone."""
-        inputs = self._inputs
-        share = inputs.number("base_metalness", si, active)
-        color = inputs.number("base_weight", si, active) * inputs.color("base_color", si, active)
-        eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
+        at = self._inputs.at(si, active)
+        color, eta = at.base_weight * at.base_color, dr.maximum(at.coat_ior, 1.001)
         internal = formulas.internal_reflectance(1 - formulas.mean_fresnel(eta), eta)
-        tint, parts = -optical_depth(inputs.color("coat_color", si, active), DRJIT), []
+        tint, parts = -optical_depth(at.coat_color, DRJIT), []
         for metalness, loss in self._losses.items():
             albedo = color
             if metalness:  # of light that its facets reflect more than once
-                weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
-                f82 = fresnel.f82_mean(color, inputs.color("specular_color", si, active), DRJIT)
-                alpha = formulas.lobe_width(inputs.number("specular_roughness", si, active), DRJIT)
-                albedo = multiple_albedo(weight * f82, self._mirror.reflected(None, alpha))
+                f82 = fresnel.f82_mean(color, at.specular_color, DRJIT)
+                alpha = formulas.lobe_width(at.specular_roughness, DRJIT)
+                mean = dr.minimum(at.specular_weight, 1) * f82
+                albedo = multiple_albedo(mean, self._mirror.reflected(None, alpha))
             place = loss.at(si, active)
             lost = loss.lost(si.wi, place)
             parts.append(Part(place, lost, formulas.promised(albedo, internal)))
         coated = self._bsdf._vertex(si, active)
-        return Vertex(coated, share, eta, tint, _path(si.wi, eta), parts)
+        return Vertex(coated, at.base_metalness, eta, tint, _path(si.wi, eta), parts)
 
     def _proposal(self, vertex: Vertex, si, active):
         return self._bsdf._proposal(vertex.coated, si, active)

@@ -105,11 +105,11 @@ class FilmFresnel:
         return compiled_once(filmed, mi.Float(cosine), mi.Float(eta), si.wavelengths, *given)
 
     def _weight(self, si, active):
-        return self._inputs.number("thin_film_weight", si, active)
+        return self._inputs.at(si, active).thin_film_weight
 
     def _film(self, si, active):
         names = *_INDICES, "thin_film_thickness"
-        ior, coat_ior, coat, thickness = (self._inputs.number(n, si, active) for n in names)
+        ior, coat_ior, coat, thickness = self._inputs.at(si, active).of(*names)
         relative = dr.clip(formulas.relative_index(ior, coat_ior, coat, DRJIT), 1 / 3, 3)
         return thin_film.Film(relative, dr.maximum(ior, formulas.LEAST_INDEX), thickness)
 

@@ -128,10 +128,9 @@ class LostLight:
 
     def at(self, si, active) -> Place:
         """The material at a surface interaction."""
-        inputs, turning = self._inputs, self._turning
-        read = {name: inputs.number(name, si, active) for name in self.varying}
-        at = [AXES[name].coordinate(value, DRJIT) for name, value in read.items()]
-        return Place(inputs.widths(turning, si, active) if turning else (), at[::-1])
+        at, turning = self._inputs.at(si, active), self._turning
+        places = [AXES[name].coordinate(getattr(at, name), DRJIT) for name in self.varying]
+        return Place(at.widths(turning) if turning else (), places[::-1])
 
     def lost(self, w, place: Place) -> Any:
         """Share of the light from a direction w that is lost."""

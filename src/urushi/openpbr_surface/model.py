@@ -94,15 +94,15 @@ class Base(OfInputs):
         self.names = (*NAMES, *(("coat_color",) if tinted else ()), *film)
 
     def _vertex(self, si, active) -> BaseVertex:
-        inputs = self._inputs
-        ior, coat_ior, coat, weight = (inputs.number(name, si, active) for name in INDICES)
-        widths = inputs.widths("specular", si, active)
+        at = self._inputs.at(si, active)
+        ior, coat_ior, coat, weight = at.of(*INDICES)
+        widths = at.widths("specular")
         alpha = 0.5 * (widths.u + widths.v) if isinstance(widths, Widths) else widths
         return BaseVertex(
-            inputs.number("base_weight", si, active) * inputs.color("base_color", si, active),
-            inputs.color("specular_color", si, active),
-            dr.minimum(inputs.number("specular_weight", si, active), 1),
-            inputs.number("base_metalness", si, active),
+            at.base_weight * at.base_color,
+            at.specular_color,
+            dr.minimum(weight, 1),
+            at.base_metalness,
             widths,
             alpha,
             formulas.base_index(ior, coat_ior, coat, weight, DRJIT),
@@ -163,7 +163,7 @@ class Base(OfInputs):
         both, mean = passed[0] * passed[1], dr.maximum(passed[2], 1e-4)
         if self._slab is None:
             return color * (both * dr.inv_pi / mean)
-        rough = self._inputs.number("base_diffuse_roughness", si, active)
+        rough = self._inputs.at(si, active).base_diffuse_roughness
         return self._slab.f(si.wi, wo, color, rough, (alpha, eta), both, mean)
 
     def lobes(self, si) -> list[list]:
@@ -197,16 +197,13 @@ class Base(OfInputs):
         """The factor that cancels darkening by the coat (3.4.1), see `formulas.boost`; 1: none."""
         if not self._boosted:
             return mi.Spectrum(1)
-        inputs = self._inputs
+        at = self._inputs.at(si, active)
         f0 = dr.square((vertex.eta - 1) / (vertex.eta + 1))
         dielectric, shine = f0 + (1 - f0) * vertex.color, vertex.weight * vertex.color
         albedo = dr.lerp(dielectric, shine, vertex.share)
-        coat_eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
-        rough = inputs.number("specular_roughness", si, active)
-        internal = formulas.internal(coat_eta, rough, vertex.share, f0)
-        darkening = inputs.number("coat_darkening", si, active)
-        tint = inputs.color("coat_color", si, active)
-        return formulas.boost(darkening, internal, albedo, tint, DRJIT)
+        coat_eta = dr.maximum(at.coat_ior, 1.001)
+        internal = formulas.internal(coat_eta, at.specular_roughness, vertex.share, f0)
+        return formulas.boost(at.coat_darkening, internal, albedo, at.coat_color, DRJIT)
 
     def known(self):
         return KnownSurface(lobes=self.lobes, table_source=lambda: self)
@@ -219,9 +216,9 @@ class Base(OfInputs):
 
 def absorbed(inputs: Inputs, f, si, wo, active):
     """f [1/sr] under the medium (3.4.2) of a coat of index one, which has no interface."""
-    depth = optical_depth(inputs.color("coat_color", si, active), DRJIT)
-    passed = dr.exp(-depth * (1 / si.wi.z + 1 / wo.z))
-    return f * dr.lerp(mi.Spectrum(1), passed, inputs.number("coat_weight", si, active))
+    at = inputs.at(si, active)
+    passed = dr.exp(-optical_depth(at.coat_color, DRJIT) * (1 / si.wi.z + 1 / wo.z))
+    return f * dr.lerp(mi.Spectrum(1), passed, at.coat_weight)
 
 
 class Fuzz(NamedTuple):

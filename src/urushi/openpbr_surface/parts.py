@@ -12,7 +12,7 @@ from urushi.errors import ParameterError
 from urushi.mitsuba.reading.textures import derived as from_textures
 from urushi.mitsuba.surface import Surface
 from urushi.openpbr_surface import formulas
-from urushi.openpbr_surface.inputs import Inputs, clipped
+from urushi.openpbr_surface.inputs import Inputs, Values, clipped
 
 #: Plugins of coats: by tables or codes, and by walks.
 COATS = ("neural_layered", "layered")
@@ -189,10 +189,11 @@ def index2(w, index):
     return dr.select(w.z > 0, 1, index * index)
 
 
-def tint_of(inputs: Inputs, si, active) -> Any:
+def tint_of(inputs: Inputs, at: Values) -> Any:
     """The factor of light that crosses the base's interface, without a transmission_depth."""
     if not inputs.transmits(SHARES[1]) or not inputs.is_constant("transmission_depth", 0):
         return mi.Spectrum(1)
-    color = inputs.color("transmission_color", si, active)
-    found = shares(*(inputs.number(name, si, active) for name in SHARES))
-    return dr.lerp(color, 1, found.scattering / dr.maximum(found.transmitting, 1e-6))
+    found = shares(*at.of(*SHARES))
+    return dr.lerp(
+        at.transmission_color, 1, found.scattering / dr.maximum(found.transmitting, 1e-6)
+    )

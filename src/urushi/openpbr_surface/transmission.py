@@ -133,13 +133,13 @@ class Slab(OfInputs):
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
         slab, returned = vertex
         f, pdf = self._slab._f_and_pdf(slab, ctx, si, wo, active)
-        inputs, through, tint = self._inputs, si.wi.z * wo.z < 0, tint_of(self._inputs, si, active)
-        if self._coated and not inputs.thin:
+        at, through = self._inputs.at(si, active), si.wi.z * wo.z < 0
+        tint = tint_of(self._inputs, at)
+        if self._coated and not self._inputs.thin:
             # Light from below that the surface of the body does not reflect crosses it twice.
-            coat = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
+            coat = formulas.interface_index(at.coat_ior, DRJIT)
             a, b = raised(si.wi), relative(si.wi, wo)
-            widths = inputs.widths("specular", si, active)
-            first = interface.reflection(a, b, widths, coat / self._index)
+            first = interface.reflection(a, b, at.widths("specular"), coat / self._index)
             below = (si.wi.z < 0) & ~through
             f = dr.select(below, first + tint * tint * (f - first), f * dr.select(through, tint, 1))
         if returned is None:
@@ -148,7 +148,7 @@ class Slab(OfInputs):
         lobe = dr.maximum(one, 0) * dr.maximum(other, 0)
         lobe *= index2(wo, self._index) / returned.scale
         if self._coated:
-            tint *= dr.sqrt(inputs.color("coat_color", si, active))
+            tint *= dr.sqrt(at.coat_color)
         if ctx.mode != mi.TransportMode.Importance:
             lobe = lobe / dr.select(through, dr.square(self._index_across(si.wi)), 1)
         pdf = dr.lerp(pdf, returned.proposal.pdf(si.wi, wo), returned.share)

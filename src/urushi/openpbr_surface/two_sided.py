@@ -87,13 +87,12 @@ class Unseen:
 
     def passed(self, si, active) -> Any:
         """Transmittance along si.wi: the colours are those of light along the normal."""
-        inputs, slab = self._inputs, mi.Spectrum(1)
-        tint = inputs.color("transmission_color", si, active)
-        coat = inputs.color("coat_color", si, active) if self._coated else mi.Spectrum(1)
+        inputs, at, tint = self._inputs, self._inputs.at(si, active), mi.Spectrum(1)
+        coat = at.coat_color if self._coated else tint
         if inputs.thin:  # the medium of the pane and two coats, each of the root of its colour
-            tint, slab = mi.Spectrum(1), tint * coat
+            slab = at.transmission_color * coat
         else:
-            tint, slab = tint_of(inputs, si, active), dr.sqrt(coat)
+            tint, slab = tint_of(inputs, at), dr.sqrt(coat)
         return tint * dr.power(slab, 1 / dr.maximum(dr.abs(si.wi.z), 1e-6))
 
 
@@ -121,13 +120,13 @@ class Glass(OfInputs):
         )
 
     def _vertex(self, si, active):
-        inputs = self._inputs
-        widths = inputs.widths("specular", si, active)
+        at = self._inputs.at(si, active)
+        widths = at.widths("specular")
         above, below = (self._not_kept(widths, None, x, si, active) for x in (True, False))
         scale = 1 / dr.maximum(dr.pi * (above + self._index**2 * below), 1e-5)
         lost = self._lost(widths, si.wi, si, active)
-        tint, specular = tint_of(inputs, si, active), inputs.color("specular_color", si, active)
-        return GlassVertex(widths, self._index_across(si.wi), tint, specular, lost, scale)
+        eta, tint = self._index_across(si.wi), tint_of(self._inputs, at)
+        return GlassVertex(widths, eta, tint, at.specular_color, lost, scale)
 
     def _lost(self, widths, w, si, active):
         """Share of the light from a direction that meets a second facet."""
@@ -210,10 +209,9 @@ class Sheet(OfInputs):
         self._transmit()
 
     def _vertex(self, si, active):
-        inputs, vertex = self._inputs, self._base._vertex(si, active)
-        color = inputs.color("subsurface_color", si, active)
-        forward = 0.5 + 0.5 * inputs.number("subsurface_scatter_anisotropy", si, active)
-        near, far = color * (1 - forward), color * forward
+        at, vertex = self._inputs.at(si, active), self._base._vertex(si, active)
+        forward = 0.5 + 0.5 * at.subsurface_scatter_anisotropy
+        near, far = at.subsurface_color * (1 - forward), at.subsurface_color * forward
         return vertex._replace(color=near), vertex._replace(color=far), forward
 
     def _f(self, vertex, ctx, si, wo, active):
