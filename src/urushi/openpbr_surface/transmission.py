@@ -30,8 +30,8 @@ from urushi.openpbr_surface.bsdfs import (
     OpenPBRSurface,
     SurfaceProposal,
 )
+from urushi.openpbr_surface.compensation import AXES, LostLight
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.lost_light import AXES, LostLight
 from urushi.openpbr_surface.parts import (
     COATS,
     INDICES,
