@@ -10,7 +10,7 @@ from tests.openpbr_surface.probes import anywhere, loaded, pairs, values
 import urushi
 from urushi.measured.rgl import srgb_weights
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.shares import tint_of
+from urushi.openpbr_surface.parts import tint_of
 
 VARIANTS = ("llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral")
 
@@ -86,6 +86,7 @@ def test_light_through_tinted_glass_has_the_same_colour_in_spectral_variants(spe
         medium = mi.load_dict(urushi.openpbr(**glass).on({"type": "sphere"})).interior_medium()
         found = np.exp(-depth * medium.get_scattering_coefficients(si)[2].numpy())
     else:
-        found = tint_of(Inputs.of(glass, "openpbr"), si, mi.Bool(True)).numpy() ** 2
+        inputs = Inputs.of(glass, "openpbr")
+        found = tint_of(inputs, inputs.at(si, mi.Bool(True))).numpy() ** 2
     expected = np.array(GREEN) ** (1 if depth else 2)
     np.testing.assert_allclose(found.T.ravel() @ srgb_weights(nm), expected, atol=1e-3)

@@ -15,7 +15,7 @@ from urushi.files import atomic_write, new_folder, tensor_file_kind
 from urushi.ranges import Texels
 
 if TYPE_CHECKING:
-    from urushi.openpbr_surface.materialx.reader import Mix, Surface
+    from urushi.openpbr_surface.materialx.surface import Mix, Surface
     from urushi.textures.gpu import Image
 
 
@@ -179,7 +179,7 @@ def scene(found: "Surface | Mix", folder: Path) -> dict[str, Any]:
     import mitsuba as mi
 
     from urushi.openpbr_surface.description import OpenPBR, openpbr
-    from urushi.openpbr_surface.materialx.reader import Mix
+    from urushi.openpbr_surface.materialx.surface import Mix
     from urushi.openpbr_surface.plugins.materialx import description
 
     numbers = itertools.count(1)

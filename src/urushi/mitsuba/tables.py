@@ -153,16 +153,13 @@ class InterfaceAlbedo(Recorded):
         self._both_entered = self._tables(known.reflected_entered, known.passed_entered)
 
     def reflected(self, w, alpha, eta=None):
-        """Share of the light from a direction that is reflected."""
-        return self._reflected(self._at(w, alpha, eta))[0]
+        """Share of the light from a direction that is reflected; w is None: of diffuse light."""
+        table = self._reflected_mean if w is None else self._reflected
+        return table(self._at(w, alpha, eta))[0]
 
     def both(self, w, alpha, eta) -> list:
         """Shares that are reflected and transmitted; the rest would meet a second facet."""
         return self._both(self._at(w, alpha, eta))
-
-    def reflected_mean(self, alpha, eta=None):
-        """Share of diffuse light that is reflected."""
-        return self._reflected_mean(self._at(None, alpha, eta))[0]
 
     def both_mean(self, alpha, eta, mirrored=None) -> list:
         """Shares of diffuse light that are reflected and transmitted.

@@ -1,6 +1,7 @@
-"""The BSDF of an opaque surface: base, coated base and fuzz."""
+"""BSDFs of several layers, and that of an opaque surface: base, coated base and fuzz."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -8,13 +9,21 @@ import mitsuba as mi
 
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
+from urushi.mitsuba.frames import above_surface, raised, with_far_side
 from urushi.mitsuba.reading.probing import known_surface
-from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
+from urushi.mitsuba.surface import KnownSurface, bsdf_of
 from urushi.openpbr_surface import formulas, model
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import names_of
-from urushi.openpbr_surface.parts import COATS, Coating, coat_properties, load_part
+from urushi.openpbr_surface.parts import (
+    COATS,
+    SHARES,
+    OfInputs,
+    coat_properties,
+    load_part,
+    shares,
+)
 
 #: Directions of light that has met several facets: one half evenly, the other by the cosine.
 SPREAD = Mixture([0.5, 0.5], [1.0])
@@ -22,28 +31,8 @@ SPREAD = Mixture([0.5, 0.5], [1.0])
 #: Share of the proposal for the coat's compensation.
 LOST_SHARE = 0.1
 
-#: Share of the proposal that fuzz leaves to what lies below, at the least.
-LEAST_BELOW = 0.1
-
 #: The parameters of the coat.
 OF_COAT = ("coat_color", "coat_roughness", "coat_roughness_anisotropy", "coat_ior")
-
-
-class Part(NamedTuple):
-    """A BSDF at a vertex."""
-
-    bsdf: Any  # of `mitsuba.surface.bsdf_of`
-    vertex: Any  # its own
-    weight: Any  # its weight in the mixture
-
-
-class Vertex(NamedTuple):
-    """The surface at a vertex; see `Part` and `model.Fuzz`."""
-
-    parts: list[Part]
-    compensation: Any
-    fuzz: Any
-    fuzz_share: Any  # of the proposal
 
 
 class SurfaceProposal(NamedTuple):
@@ -66,96 +55,136 @@ class SurfaceProposal(NamedTuple):
         return wo
 
 
-class OpenPBRSurface(Surface):
+@dataclass(frozen=True)
+class Layer:
+    """What has a share of the surface. Dr.Jit does not look into named tuples for its BSDF."""
+
+    bsdf: Any
+    share: str | None = None  # of `Shares`; None: all of it
+    coated: bool | None = None  # whether it has the coated or the bare part of it; None: all
+
+
+class Blend(OfInputs):
+    """A mixture of BSDFs. In what transmits light, opaque ones look the same from both sides."""
+
+    _layers: Sequence[Layer]
+
+    def _weights(self, layers: Sequence[Layer], si, active) -> list:
+        """The shares of layers at an interaction."""
+        at = self._inputs.at(si, active)
+        found = shares(*at.of(*SHARES))
+        covered = {None: 1, True: at.coat_weight, False: 1 - at.coat_weight}
+        return [
+            mi.Float((getattr(found, layer.share) if layer.share else 1) * covered[layer.coated])
+            for layer in layers
+        ]
+
+    def _turn(self, si, active):
+        return self._inputs.turn(si, active)
+
+    def _vertex(self, si, active) -> Any:
+        """BSDFs, each with its own vertex and its weight."""
+        bsdfs = [layer.bsdf for layer in self._layers]
+        own = [bsdf._vertex(self._seen(bsdf, si), active) for bsdf in bsdfs]
+        return [*zip(bsdfs, own, self._weights(self._layers, si, active), strict=True)]
+
+    def _seen(self, bsdf, si):
+        """The interaction as a BSDF has it."""
+        return si if bsdf._transmits == self._transmits else above_surface(si)
+
+    def _f_and_pdf(self, vertex, ctx, si, wo, active):
+        f, pdf, near = mi.Spectrum(0), mi.Float(0), si.wi.z * wo.z > 0
+        for bsdf, own, weight in vertex:
+            if bsdf._transmits == self._transmits:
+                value, density = bsdf._f_and_pdf(own, ctx, si, wo, active)
+            else:
+                seen = self._seen(bsdf, si), raised(wo), active & near
+                found = bsdf._f_and_pdf(own, ctx, *seen)
+                value, density = (dr.select(near, x, 0) for x in found)
+            f += weight * value
+            pdf += weight * density
+        return f, pdf
+
+    def _proposal(self, vertex, si, active):
+        proposals = []
+        for bsdf, own, weight in vertex:
+            proposal = bsdf._proposal(own, self._seen(bsdf, si), active)
+            if bsdf._transmits != self._transmits:
+                proposal = with_far_side(proposal, 0.0)
+            proposals.append((proposal, weight))
+        return SurfaceProposal(proposals)
+
+    def to_string(self):
+        parts = ",\n".join(str(layer.bsdf) for layer in self._layers)
+        return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
+
+
+class OpenPBRSurface(Blend):
     """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
-    def __init__(self, inputs: Inputs, coating: Coating):
-        self._inputs, self._coating = inputs, coating
-        self._configure()
-        super().__init__(mi.Properties("openpbr"), inputs.where)
+    names = names_of("base", "specular", "coat", "thin_film", "fuzz")
 
     def _configure(self):
         """Make the layers that parameters need; None: the weights leave it out."""
         inputs = self._inputs
-        base = coated = compensation = None
-        below: Any = None
         # A coat of index one has no interface: it only absorbs, see `model.absorbed`.
         bare = inputs.is_constant("coat_weight", 0)
         flat = bare or inputs.is_constant("coat_ior", 1)
+        self._compensation: Any = None  # with the coated base, whose energy it compensates
+        base = coated = None
+        below: Any = None
         if not flat:
-            below = bsdf_of(model.Base(inputs, under_coat=True))
+            below, coated = self._coat(inputs)
             if self._coating.compensated:
-                compensation = Compensation(inputs, self._coating.tables, self._white_coat)
-            coated = self._coat(inputs, below)
+                self._compensation = Compensation(
+                    coated, inputs, self._coating.tables, lambda twin: self._coat(twin)[1]
+                )
         if flat or not inputs.is_constant("coat_weight", 1):
             base = bsdf_of(model.Base(inputs, under_coat=False))
         self._base, self._below, self._coated = base, below, coated  # in air, in the coat, with it
-        self._compensation = compensation  # of the energy that `_coated` loses
+        top = self._compensation or coated
+        self._layers = [Layer(base or top)]
+        if base and top:
+            self._layers = [Layer(base, coated=False), Layer(top, coated=True)]
         self._absorbs = flat and not (bare or inputs.is_constant("coat_color", 1))
-        self._find_fuzz()
+        self._fuzz = not inputs.is_constant("fuzz_weight", 0)
         self._is_current = True
 
-    def _coat(self, inputs: Inputs, below: "mi.BSDF") -> "mi.BSDF":
+    def _coat(self, inputs: Inputs) -> "tuple[mi.BSDF, mi.BSDF]":
+        """The base under the coat, without it and with it."""
+        below = bsdf_of(model.Base(inputs, under_coat=True))
         options = self._coating.options if self._coating.tables else {}
         plugin = {"type": COATS[not self._coating.tables], "bottom": below}
-        return load_part(inputs, plugin | coat_properties(inputs) | options)
-
-    def _white_coat(self, inputs: Inputs) -> "mi.BSDF":
-        return self._coat(inputs, bsdf_of(model.Base(inputs, under_coat=True)))
+        return below, load_part(inputs, plugin | coat_properties(inputs) | options)
 
     @property
     def _walks(self) -> bool:
         """Whether the coat is walks."""
         return self._coated is not None and known_surface(self._coated).latents is None
 
-    def _find_fuzz(self):
-        self._fuzz = not self._inputs.is_constant("fuzz_weight", 0)
-
-    def _turn(self, si, active):
-        return self._inputs.turn(si, active)
-
     def _vertex(self, si, active):
-        bsdfs = [part for part in (self._base, self._coated) if part is not None]
-        weights: list[Any] = [mi.Float(1)]
-        if len(bsdfs) == 2:
-            weight = self._inputs.number("coat_weight", si, active)
-            weights = [1 - weight, weight]
-        parts = [
-            Part(bsdf, bsdf._vertex(si, active), weight)
-            for bsdf, weight in zip(bsdfs, weights, strict=True)
-        ]
-        compensation = self._compensation.vertex(si, active) if self._compensation else None
-        fuzz = None
+        at, fuzz = self._inputs.at(si, active), None
         if self._fuzz:
-            weight, rough = (
-                self._inputs.number(f"fuzz_{x}", si, active) for x in ("weight", "roughness")
-            )
-            fuzz = model.Fuzz(weight, self._inputs.color("fuzz_color", si, active), rough)
-        share = dr.minimum(fuzz.hidden(si.wi), 1 - LEAST_BELOW) if fuzz else 0.0
-        return Vertex(parts, compensation, fuzz, share)
+            fuzz = model.Fuzz(at.fuzz_weight, at.fuzz_color, at.fuzz_roughness)
+        return super()._vertex(si, active), fuzz
 
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
-        f, pdf = mi.Spectrum(0), mi.Float(0)
-        for part in vertex.parts:
-            own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
-            if part.bsdf is self._coated and self._compensation:
-                own = self._compensation.with_lost_light(vertex.compensation, own, wo)
-            f += part.weight * own
-            pdf += part.weight * density
+        parts, fuzz = vertex
+        f, pdf = super()._f_and_pdf(parts, ctx, si, wo, active)
         if self._absorbs:
             f = model.absorbed(self._inputs, f, si, wo, active)
-        if vertex.compensation:
+        if self._compensation:
             pdf = dr.lerp(pdf, SPREAD.pdf(si.wi, wo), LOST_SHARE)
-        if vertex.fuzz:
-            f = model.under_fuzz(vertex.fuzz, f, ctx, si, wo)
-            pdf = dr.lerp(pdf, vertex.fuzz.pdf(si.wi, wo), vertex.fuzz_share)
+        if fuzz:
+            f = model.under_fuzz(fuzz, f, ctx, si, wo)
+            pdf = dr.lerp(pdf, fuzz.pdf(si.wi, wo), fuzz.share(si.wi))
         return f, pdf
 
     def _proposal(self, vertex, si, active):
-        own = [(part.bsdf._proposal(part.vertex, si, active), part.weight) for part in vertex.parts]
-        added = [(SPREAD, LOST_SHARE)] if vertex.compensation else []
-        added += [(vertex.fuzz, vertex.fuzz_share)] if vertex.fuzz else []
-        proposal = SurfaceProposal(own)
+        parts, fuzz = vertex
+        proposal = super()._proposal(parts, si, active)
+        added = [(SPREAD, LOST_SHARE)] if self._compensation else []
+        added += [(fuzz, fuzz.share(si.wi))] if fuzz else []
         for other, share in added:
             proposal = SurfaceProposal([(other, share), (proposal, 1 - share)])
         return proposal
@@ -175,17 +204,13 @@ class OpenPBRSurface(Surface):
 
     def _coat_lobes(self, si) -> list[list]:
         """The lobes of the coat's interface, as of `model.Base.lobes`."""
-        inputs, active, zero = self._inputs, mi.Bool(True), mi.Float(0)
-        index = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
-        alpha, weight = inputs.widths("coat", si, active), inputs.number("coat_weight", si, active)
-        lobe = [alpha, zero, zero, weight, index, zero]
+        at, zero = self._inputs.at(si, mi.Bool(True)), mi.Float(0)
+        index = formulas.interface_index(at.coat_ior, DRJIT)
+        lobe = [at.widths("coat"), zero, zero, at.coat_weight, index, zero]
         return [lobe] * dr.size_v(mi.Spectrum)
 
     def replaced(self, replacement):
         return bsdf_of(type(self)(self._inputs.with_textures(replacement), self._coating))
-
-    #: The parameters that it reads.
-    names = names_of("base", "specular", "coat", "thin_film", "fuzz")
 
     def traverse(self, callback):
         # Walks have no derivatives.
@@ -196,14 +221,10 @@ class OpenPBRSurface(Surface):
     def _update(self, keys):
         self._is_current &= not self._inputs.refresh()
         if keys and all(key.startswith("fuzz") for key in keys):
-            self._find_fuzz()
+            self._fuzz = not self._inputs.is_constant("fuzz_weight", 0)
             self._is_current = True  # no layer depends on it
         elif not (self._is_current and (not self._compensation or self._compensation.is_current)):
             self._configure()
         elif self._coated is not None:
             base = not keys or not {*keys}.isdisjoint(self._below.names)
             self._coated.parameters_changed(["bottom"] if base else list(OF_COAT))
-
-    def to_string(self):
-        parts = "\n".join(f"{part}," for part in (self._base, self._coated) if part)
-        return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"

@@ -82,12 +82,8 @@ class FilmFresnel:
         film, edge, passes = self._film(si, active), eta, 1 - bare
         if self._total:  # index of a bare dielectric that reflects totally at the same facets
             edge = dr.select(film.eta < 1, dr.minimum(film.eta, eta), eta)
-            if cosine is None:
-                more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))
-                seen = self._mirror.reflected_mean(alpha)
-            else:
-                more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
-                seen = self._mirror.reflected(cosine, alpha)
+            more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
+            seen = self._mirror.reflected(cosine, alpha)
             passes -= (more - less) / dr.maximum(seen, _LEAST)
         filmed, unfilmed = mi.Spectrum(0), mi.Float(0)
         for c, weight in self.facets(cosine, alpha):
@@ -109,11 +105,11 @@ class FilmFresnel:
         return compiled_once(filmed, mi.Float(cosine), mi.Float(eta), si.wavelengths, *given)
 
     def _weight(self, si, active):
-        return self._inputs.number("thin_film_weight", si, active)
+        return self._inputs.at(si, active).thin_film_weight
 
     def _film(self, si, active):
         names = *_INDICES, "thin_film_thickness"
-        ior, coat_ior, coat, thickness = (self._inputs.number(n, si, active) for n in names)
+        ior, coat_ior, coat, thickness = self._inputs.at(si, active).of(*names)
         relative = dr.clip(formulas.relative_index(ior, coat_ior, coat, DRJIT), 1 / 3, 3)
         return thin_film.Film(relative, dr.maximum(ior, formulas.LEAST_INDEX), thickness)
 

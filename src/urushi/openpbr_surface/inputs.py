@@ -41,6 +41,30 @@ DIRECTIONS = (
 )
 
 
+class Values:
+    """Numbers and colours at a surface interaction, within their ranges: attributes by name."""
+
+    def __init__(self, inputs: "Inputs", si, active):
+        self._inputs, self._lanes = inputs, (si, active)
+
+    def __getattr__(self, name: str) -> Any:
+        texture = self._inputs.textures[name]
+        read = texture.eval if PARAMETERS[name].kind == "color" else texture.eval_1
+        return clipped(name, read(*self._lanes))
+
+    def of(self, *names: str) -> list:
+        """The values of several."""
+        return [getattr(self, name) for name in names]
+
+    def widths(self, layer: str) -> Any:
+        """The GGX width of a layer, "coat" or "specular", or the two `Widths`."""
+        names = f"{layer}_roughness", f"{layer}_roughness_anisotropy"
+        if self._inputs.is_constant(names[1], 0):
+            return formulas.lobe_width(getattr(self, names[0]), DRJIT)
+        rough, bias = self.of(*names)
+        return Widths(*formulas.lobe_widths(rough, bias, DRJIT))
+
+
 class Inputs(Recorded):
     """All parameters except the directions, as textures; numbers and colours are textures too."""
 
@@ -150,7 +174,7 @@ class Inputs(Recorded):
         si = dr.zeros(mi.SurfaceInteraction3f)
         si.uv = mi.Point2f(0.5)
         with dr.suspend_grad():
-            return float(self.number(name, si, mi.Bool(True)).numpy()[0])
+            return float(getattr(self.at(si, mi.Bool(True)), name).numpy()[0])
 
     def refresh(self) -> bool:
         """Whether numbers that `known` has returned have changed or have gradients now.
@@ -172,21 +196,9 @@ class Inputs(Recorded):
             del self._relied[name], self.constants[name]
         return bool(changed)
 
-    def number(self, name: str, si, active) -> "mi.Float":
-        """The value of a number at a surface interaction, within the parameter's range."""
-        return clipped(name, self.textures[name].eval_1(si, active))
-
-    def color(self, name: str, si, active) -> "mi.Spectrum":
-        """The value of a colour at a surface interaction, within the parameter's range."""
-        return clipped(name, self.textures[name].eval(si, active))
-
-    def widths(self, layer: str, si, active) -> Any:
-        """The GGX width of a layer, "coat" or "specular", or the two `Widths`."""
-        rough = self.number(f"{layer}_roughness", si, active)
-        if self.is_constant(f"{layer}_roughness_anisotropy", 0):
-            return formulas.lobe_width(rough, DRJIT)
-        bias = self.number(f"{layer}_roughness_anisotropy", si, active)
-        return Widths(*formulas.lobe_widths(rough, bias, DRJIT))
+    def at(self, si, active) -> "Values":
+        """The values at a surface interaction."""
+        return Values(self, si, active)
 
     def _read(self, name: str, value: Any) -> None:
         entry = parameter(name, self.where, OPTIONS)

@@ -22,7 +22,7 @@ from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.facets import MIRROR, multiple_lobe
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
-from urushi.mitsuba.surface import KnownSurface, Surface, bsdf_of
+from urushi.mitsuba.surface import KnownSurface, bsdf_of
 from urushi.mitsuba.tables import InterfaceAlbedo
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.film import NAMES as film_parameters
@@ -30,11 +30,15 @@ from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import RoughSlab
 from urushi.openpbr_surface.parameters import names_of
+from urushi.openpbr_surface.parts import OfInputs
 
 #: Least share of each lobe in the base's proposal.
 MIN_SHARE = 0.1
 
-#: The parameters that the base reads, besides the film's; see `Base.names`.
+#: Share of the proposal that fuzz leaves to what lies below, at the least.
+LEAST_BELOW = 0.1
+
+#: The parameters that the base reads, besides the film's; see `Base._configure`.
 NAMES = (*names_of("base", "specular"), "coat_weight", "coat_ior", "coat_darkening")
 
 #: The parameters on which the base's relative index depends.
@@ -53,7 +57,7 @@ class BaseVertex(NamedTuple):
     eta: Any  # the index relative to the medium above
 
 
-class Base(Surface):
+class Base(OfInputs):
     """The base substrate (3.2) without coat and fuzz, for directions in the medium above it.
 
     The dielectric's interface reflects by single scattering and passes the rest, so that a white
@@ -65,8 +69,12 @@ class Base(Surface):
 
         under_coat: whether `coat_darkening` has an effect.
         """
-        self._inputs, self._under_coat = inputs, under_coat
-        self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
+        self._under_coat = under_coat
+        super().__init__(inputs)
+
+    def _configure(self):
+        inputs = self._inputs
+        self._boosted = self._under_coat and not inputs.is_constant("coat_darkening", 1)
         self._only_metal = inputs.is_constant("base_metalness", 1)
         self._only_dielectric = inputs.is_constant("base_metalness", 0)
         self._film = self._slab = None
@@ -80,18 +88,20 @@ class Base(Surface):
         self._mirror = InterfaceAlbedo(MIRROR, two_widths)
         if not inputs.is_constant("base_diffuse_roughness", 0):
             self._slab = RoughSlab(eta)
-        super().__init__(mi.Properties("openpbr_base"), inputs.where)
+        tinted = self._boosted and not inputs.is_constant("coat_color", 1)
+        film = film_parameters if self._film else ()
+        self.names = (*NAMES, *(("coat_color",) if tinted else ()), *film)
 
     def _vertex(self, si, active) -> BaseVertex:
-        inputs = self._inputs
-        ior, coat_ior, coat, weight = (inputs.number(name, si, active) for name in INDICES)
-        widths = inputs.widths("specular", si, active)
+        at = self._inputs.at(si, active)
+        ior, coat_ior, coat, weight = at.of(*INDICES)
+        widths = at.widths("specular")
         alpha = 0.5 * (widths.u + widths.v) if isinstance(widths, Widths) else widths
         return BaseVertex(
-            inputs.number("base_weight", si, active) * inputs.color("base_color", si, active),
-            inputs.color("specular_color", si, active),
-            dr.minimum(inputs.number("specular_weight", si, active), 1),
-            inputs.number("base_metalness", si, active),
+            at.base_weight * at.base_color,
+            at.specular_color,
+            dr.minimum(weight, 1),
+            at.base_metalness,
             widths,
             alpha,
             formulas.base_index(ior, coat_ior, coat, weight, DRJIT),
@@ -135,27 +145,25 @@ class Base(Surface):
         if self._film:
             reflectance = self._film.metal(cosine, color, tint, reflectance, si, active)
             mean = self._film.metal(mi.Float(thin_film.MEAN_COSINE), color, tint, mean, si, active)
-        first, second = (self._mirror.reflected(w, widths) for w in (si.wi, wo))
-        more = multiple_lobe(first, second, self._mirror.reflected_mean(widths), mean)
-        return vertex.weight * (lobe * reflectance + more)
+        first, second, seen = (self._mirror.reflected(w, widths) for w in (si.wi, wo, None))
+        return vertex.weight * (lobe * reflectance + multiple_lobe(first, second, seen, mean))
 
     def diffuse(self, vertex: BaseVertex, si, wo, active):
         """The interface passes light, the diffuse slab reflects it [1/sr]."""
         color, alpha, eta = vertex.color, vertex.alpha, vertex.eta
-        reflected = [self.reflected(w, vertex) for w in (si.wi, wo)]
-        mean = self._albedo.reflected_mean(vertex.widths, eta)
-        if self._film:
-            for i, w in enumerate((si.wi, wo)):
+        passed = []  # of the light from wi and wo, and of diffuse light
+        for w in (si.wi, wo, None):
+            reflected = self.reflected(w, vertex)
+            if self._film:
                 seen = dr.maximum(self._mirror.reflected(w, vertex.widths), 1e-4)
-                bare = reflected[i] / seen
-                reflected[i] = seen * self._film.mean(w.z, alpha, eta, bare, si, active)
-            seen = self._mirror.reflected_mean(vertex.widths)
-            mean = seen * self._film.mean(None, alpha, eta, mean / seen, si, active)
-        passed, mean = (1 - reflected[0]) * (1 - reflected[1]), dr.maximum(1 - mean, 1e-4)
+                cosine, bare = None if w is None else w.z, reflected / seen
+                reflected = seen * self._film.mean(cosine, alpha, eta, bare, si, active)
+            passed.append(1 - reflected)
+        both, mean = passed[0] * passed[1], dr.maximum(passed[2], 1e-4)
         if self._slab is None:
-            return color * (passed * dr.inv_pi / mean)
-        rough = self._inputs.number("base_diffuse_roughness", si, active)
-        return self._slab.f(si.wi, wo, color, rough, (alpha, eta), passed, mean)
+            return color * (both * dr.inv_pi / mean)
+        rough = self._inputs.at(si, active).base_diffuse_roughness
+        return self._slab.f(si.wi, wo, color, rough, (alpha, eta), both, mean)
 
     def lobes(self, si) -> list[list]:
         """The numbers of the facets' lobe, see `urushi.nets.lobe`: a list for each channel.
@@ -181,30 +189,20 @@ class Base(Surface):
         return [list(c) for c in zip(*values, strict=True)]
 
     def reflected(self, w, vertex: BaseVertex):
-        """Share of the light from a direction that the dielectric's interface reflects."""
+        """Share of light from w, or of diffuse light if it is None, that the interface reflects."""
         return self._albedo.reflected(w, vertex.widths, vertex.eta)
 
     def boost(self, vertex: BaseVertex, si, active):
         """The factor that cancels darkening by the coat (3.4.1), see `formulas.boost`; 1: none."""
         if not self._boosted:
             return mi.Spectrum(1)
-        inputs = self._inputs
+        at = self._inputs.at(si, active)
         f0 = dr.square((vertex.eta - 1) / (vertex.eta + 1))
         dielectric, shine = f0 + (1 - f0) * vertex.color, vertex.weight * vertex.color
         albedo = dr.lerp(dielectric, shine, vertex.share)
-        coat_eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
-        rough = inputs.number("specular_roughness", si, active)
-        internal = formulas.internal(coat_eta, rough, vertex.share, f0)
-        darkening = inputs.number("coat_darkening", si, active)
-        tint = inputs.color("coat_color", si, active)
-        return formulas.boost(darkening, internal, albedo, tint, DRJIT)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters that it reads."""
-        tinted = self._boosted and not self._inputs.is_constant("coat_color", 1)
-        film = film_parameters if self._film else ()
-        return (*NAMES, *(("coat_color",) if tinted else ()), *film)
+        coat_eta = dr.maximum(at.coat_ior, 1.001)
+        internal = formulas.internal(coat_eta, at.specular_roughness, vertex.share, f0)
+        return formulas.boost(at.coat_darkening, internal, albedo, at.coat_color, DRJIT)
 
     def known(self):
         return KnownSurface(lobes=self.lobes, table_source=lambda: self)
@@ -214,15 +212,12 @@ class Base(Surface):
         inputs = self._inputs.with_textures(replacement)
         return bsdf_of(type(self)(inputs, self._under_coat))
 
-    def traverse(self, callback):
-        self._inputs.traverse(callback, self.names)
-
 
 def absorbed(inputs: Inputs, f, si, wo, active):
     """f [1/sr] under the medium (3.4.2) of a coat of index one, which has no interface."""
-    depth = optical_depth(inputs.color("coat_color", si, active), DRJIT)
-    passed = dr.exp(-depth * (1 / si.wi.z + 1 / wo.z))
-    return f * dr.lerp(mi.Spectrum(1), passed, inputs.number("coat_weight", si, active))
+    at = inputs.at(si, active)
+    passed = dr.exp(-optical_depth(at.coat_color, DRJIT) * (1 / si.wi.z + 1 / wo.z))
+    return f * dr.lerp(mi.Spectrum(1), passed, at.coat_weight)
 
 
 class Fuzz(NamedTuple):
@@ -235,6 +230,10 @@ class Fuzz(NamedTuple):
     def hidden(self, w):
         """Share of the light from a direction that meets the fuzz."""
         return self.weight * formulas.fuzz_albedo(w.z, self.roughness, DRJIT)
+
+    def share(self, wi):
+        """Share of the proposal for light from wi."""
+        return dr.minimum(self.hidden(wi), 1 - LEAST_BELOW)
 
     def lobe(self, seen, lit):
         """The lobe of a seen direction over the cosine of the other [1/sr]."""

@@ -2,46 +2,194 @@
 
 A `Body` mixes two-sided BSDFs by the shares of the base: opaque, an interface with a
 medium below it (`Glass`), a thin wall that scatters light (`Sheet`), and slabs of the plugins
-`layered` and `neural_layered` (`slabs`): coats on glass, panes, and panes with coats on both sides.
+`layered` and `neural_layered` (`Slab`): coats on glass, panes, and panes with coats on both sides.
 What has the index of what lies outside lets light pass straight on (`Unseen`).
 Departures from the specification: a share that is opaque looks the same from inside; both sides of
 a thin wall have the coat; specular_weight changes the index of the body, whatever lies above it.
 """
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 
+from urushi.checks import AIR
+from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
-from urushi.mitsuba.frames import above_surface, raised, with_far_side
+from urushi.mitsuba.frames import SlabMixture, raised, relative
+from urushi.mitsuba.reading.grid import varies
+from urushi.mitsuba.reading.nested import DECIMALS
 from urushi.mitsuba.snapshot import has_gradients
-from urushi.mitsuba.surface import Surface, bsdf_of
-from urushi.openpbr_surface.bsdfs import OF_COAT, OpenPBRSurface, Part, SurfaceProposal
+from urushi.mitsuba.surface import bsdf_of
+from urushi.openpbr_surface import formulas
+from urushi.openpbr_surface.bsdfs import (
+    OF_COAT,
+    SPREAD,
+    Blend,
+    Layer,
+    OpenPBRSurface,
+    SurfaceProposal,
+)
+from urushi.openpbr_surface.compensation import AXES, LostLight
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.parts import Coating
-from urushi.openpbr_surface.shares import SHARES, index_of, opaque_share, shares
-from urushi.openpbr_surface.slabs import Slab
+from urushi.openpbr_surface.parts import (
+    COATS,
+    INDICES,
+    SHARES,
+    Coating,
+    OfInputs,
+    absorption,
+    coat_properties,
+    index2,
+    index_of,
+    load_part,
+    opaque_share,
+    tint_of,
+    width_properties,
+)
 from urushi.openpbr_surface.two_sided import Glass, Sheet, Unseen
+from urushi.walk import interface
+
+#: Colours that are white where losses are measured.
+COLORS = ("coat_color", "transmission_color", "specular_color")
+
+#: Parameters on which the light that slabs lose does not depend.
+LOSSLESS = {*COLORS, *SHARES, "coat_weight"}
+
+#: Parameters that the tables of slabs hold as constants.
+TABULATED = ("specular_roughness", "transmission_color", "coat_roughness", "coat_ior", "coat_color")
+
+#: The parameters of panes.
+OF_PANES = ("specular_roughness", "specular_roughness_anisotropy", "transmission_color", *INDICES)
 
 
-@dataclass(frozen=True)
-class Layer:
-    """What has a share of the surface. Dr.Jit does not look into named tuples for its BSDF."""
+class Returned(NamedTuple):
+    """Light that meets more than one facet, at a vertex."""
 
-    bsdf: Any  # of `bsdf_of`, or `Unseen`
-    share: str  # of `Shares`
-    coated: bool | None = None  # whether it has the coated or the bare part of it; None: all
+    place: Any  # in the table of lost light
+    lost: Any  # share of the light from wi
+    scale: Any  # of the lobe
+    proposal: Any  # of its directions
+    share: Any  # of this proposal
 
 
-class Body(Surface):
+class Slab(OfInputs):
+    """A pane, or coats on it or on a body: a slab of the coats' plugins, and what it lacks.
+
+    It lacks the tint of a coated body, and light that meets more than one facet. The lobe that
+    returns this light is as that of `two_sided.Glass`.
+    """
+
+    def __init__(self, inputs: Inputs, coating: Coating, coated: bool):
+        self._coated = coated
+        self._layers = ("specular", "coat") if coated else ("specular",)
+        self.names = (*OF_PANES, *(OF_COAT if coated else ()))
+        super().__init__(inputs, coating)
+
+    def _configure(self):
+        inputs = self._inputs
+        self._transmit(None if inputs.thin else index_of(inputs))
+        self._slab = self._made(inputs)
+        colors = COLORS if self._is_table(inputs) and not mi.is_spectral else ()
+        self.fixed = {*self.names} - {*colors}
+        self._measure()
+
+    def _made(self, inputs: Inputs) -> "mi.BSDF":
+        plugin = {"type": COATS[not self._is_table(inputs)]}
+        return load_part(inputs, slab_of(inputs, self._coated) | plugin)
+
+    def _is_table(self, inputs: Inputs) -> bool:
+        """Whether it is a table: where it is constant, also by no bitmap, and isotropic."""
+        isotropic = all(inputs.is_constant(f"{x}_roughness_anisotropy", 0) for x in self._layers)
+        given = [inputs.textures[x] for x in (TABULATED if self._coated else TABULATED[:2])]
+        varying = any(x.is_spatially_varying() or varies(x) for x in given)
+        return self._coating.tables and isotropic and not varying
+
+    def _measure(self):
+        """Measure the light that it loses, unless it stays lost."""
+        self._losses: Any = None
+        if self._coating.compensated:
+            names = [name for name in AXES if name.split("_")[0] in self._layers]
+            self._losses = LostLight(self._inputs, names, self._layers, self._white)
+
+    def _white(self, textures: dict[str, Any]) -> "mi.BSDF":
+        if not textures and all(self._inputs.is_constant(name, 1) for name in COLORS):
+            return self._slab
+        return self._made(self._inputs.replaced(dict.fromkeys(COLORS, 1.0) | textures))
+
+    def _vertex(self, si, active):
+        slab = self._slab._vertex(si, active)
+        if self._losses is None:
+            return slab, None
+        place = self._losses.at(si, active)
+        _, above, _, below = self._losses.means(place)
+        below = dr.pi * self._index * self._index * below
+        scale = dr.maximum(dr.pi * above + below, 1e-5)
+        below = below / scale
+        through = dr.select(si.wi.z > 0, below, 1 - below)
+        lost, sides = self._losses.lost(si.wi, place), SlabMixture(SPREAD, SPREAD, 1 - through, 1.0)
+        return slab, Returned(place, lost, scale, sides, dr.clip(lost, 0, 0.9))
+
+    def _f_and_pdf(self, vertex, ctx, si, wo, active):
+        slab, returned = vertex
+        f, pdf = self._slab._f_and_pdf(slab, ctx, si, wo, active)
+        at, through = self._inputs.at(si, active), si.wi.z * wo.z < 0
+        tint = tint_of(self._inputs, at)
+        if self._coated and not self._inputs.thin:
+            # Light from below that the surface of the body does not reflect crosses it twice.
+            coat = formulas.interface_index(at.coat_ior, DRJIT)
+            a, b = raised(si.wi), relative(si.wi, wo)
+            first = interface.reflection(a, b, at.widths("specular"), coat / self._index)
+            below = (si.wi.z < 0) & ~through
+            f = dr.select(below, first + tint * tint * (f - first), f * dr.select(through, tint, 1))
+        if returned is None:
+            return f, pdf
+        one, other = returned.lost, self._losses.lost(wo, returned.place)
+        lobe = dr.maximum(one, 0) * dr.maximum(other, 0)
+        lobe *= index2(wo, self._index) / returned.scale
+        if self._coated:
+            tint *= dr.sqrt(at.coat_color)
+        if ctx.mode != mi.TransportMode.Importance:
+            lobe = lobe / dr.select(through, dr.square(self._index_across(si.wi)), 1)
+        pdf = dr.lerp(pdf, returned.proposal.pdf(si.wi, wo), returned.share)
+        return f + tint * lobe, pdf
+
+    def _proposal(self, vertex, si, active):
+        slab, returned = vertex
+        proposal = self._slab._proposal(slab, si, active)
+        if returned is None:
+            return proposal
+        return SurfaceProposal(
+            [(proposal, 1 - returned.share), (returned.proposal, returned.share)]
+        )
+
+    def _update(self, keys):
+        self._slab.parameters_changed(list(keys))
+        if not keys or not {*keys} <= LOSSLESS:
+            self._measure()
+
+
+def slab_of(inputs: Inputs, coated: bool) -> dict[str, Any]:
+    """A slab as a dictionary of a plugin, without its type: a pane, or coats on it or on a body."""
+    index, rough = index_of(inputs), width_properties(inputs, "specular")
+    pane = {"int_ior": index, **rough, **absorption(inputs, "transmission_color", 2)}
+    if not coated:
+        return pane | {"ext_ior": 1.0}
+    coat, glass = coat_properties(inputs), {"type": "roughdielectric", "distribution": "ggx"}
+    if not inputs.thin:
+        return coat | {"base": glass | rough | {"int_ior": round(index * AIR, DECIMALS)}}
+    # The coat below lies between the pane's lower surface and its own.
+    outer = width_properties(inputs, "coat")
+    below = {name: x for name, x in coat.items() if name not in ("ext_ior", *outer)} | rough
+    # Mitsuba refuses equal indices.
+    far = glass | outer | {"int_ior": AIR * (1 + 1e-5)}
+    inner = {"type": "layered", "inner": True, "origin": inputs.where}
+    pane |= inner | {"base": below | inner | {"base": far}}
+    return coat | {"base": pane}
+
+
+class Body(Blend):
     """A surface that transmits light: a mixture of two-sided BSDFs."""
-
-    def __init__(self, inputs: Inputs, coating: Coating):
-        self._inputs, self._coating = inputs, coating
-        self._configure()
-        super().__init__(mi.Properties("openpbr"), inputs.where)
 
     def _configure(self):
         """Make the layers that parameters need."""
@@ -65,16 +213,8 @@ class Body(Surface):
                 slab = coated or inputs.thin
                 surface = Slab(inputs, self._coating, coated) if slab else Glass(inputs)
                 parts.append(Layer(bsdf_of(surface), share, coated))
-        self._parts, self._unseen, self._ior = parts, unseen, index
+        self._layers, self._unseen, self._ior = parts, unseen, index
         self._transmit(None if inputs.thin else index)
-
-    def _weights(self, layers: list[Layer], si, active) -> list:
-        """The shares of layers at an interaction."""
-        inputs = self._inputs
-        found = shares(*(inputs.number(x, si, active) for x in SHARES))
-        coat = inputs.number("coat_weight", si, active)
-        covered = {None: 1, True: coat, False: 1 - coat}
-        return [getattr(found, layer.share) * covered[layer.coated] for layer in layers]
 
     def _flags(self):
         flags = mi.BSDFFlags
@@ -109,53 +249,17 @@ class Body(Surface):
     def eval_null_transmission(self, si, active=True):
         return self._straight(mi.BSDFContext(), si, active)[1]
 
-    def _turn(self, si, active):
-        return self._inputs.turn(si, active)
-
-    def _vertex(self, si, active):
-        pairs = zip(self._parts, self._weights(self._parts, si, active), strict=True)
-        return [
-            Part(layer.bsdf, layer.bsdf._vertex(self._seen(layer.bsdf, si), active), weight)
-            for layer, weight in pairs
-        ]
-
-    def _seen(self, bsdf, si):
-        """The interaction as a part has it: what is opaque looks the same from both sides."""
-        return si if bsdf._transmits else above_surface(si)
-
-    def _f_and_pdf(self, vertex, ctx, si, wo, active):
-        f, pdf, near = mi.Spectrum(0), mi.Float(0), si.wi.z * wo.z > 0
-        for part in vertex:
-            if part.bsdf._transmits:
-                value, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
-            else:
-                seen = self._seen(part.bsdf, si), raised(wo), active & near
-                found = part.bsdf._f_and_pdf(part.vertex, ctx, *seen)
-                value, density = (dr.select(near, x, 0) for x in found)
-            f += part.weight * value
-            pdf += part.weight * density
-        return f, pdf
-
-    def _proposal(self, vertex, si, active):
-        proposals = []
-        for part in vertex:
-            proposal = part.bsdf._proposal(part.vertex, self._seen(part.bsdf, si), active)
-            if not part.bsdf._transmits:
-                proposal = with_far_side(proposal, 0.0)
-            proposals.append((proposal, part.weight))
-        return SurfaceProposal(proposals)
-
     def traverse(self, callback):
         names = [*SHARES]
-        for part in (*self._parts, *self._unseen):
-            names += part.bsdf.names
+        for layer in (*self._layers, *self._unseen):
+            names += layer.bsdf.names
         if "transmission_color" in names:  # a coat may appear
             names += ("coat_weight", *OF_COAT)
         self._inputs.traverse(callback, dict.fromkeys(names), self._fixed())
 
     def _fixed(self) -> set[str]:
         """The parameters by which a part has no derivatives."""
-        return {name for part in self._parts for name in getattr(part.bsdf, "fixed", ())}
+        return {name for layer in self._layers for name in layer.bsdf.fixed}
 
     def _update(self, keys):
         changed = {*keys}
@@ -169,10 +273,6 @@ class Body(Surface):
         if self._inputs.refresh() or index_of(self._inputs) != self._ior:
             self._configure()
         else:
-            for part in self._parts:
-                if not changed or not changed.isdisjoint(part.bsdf.names):
-                    part.bsdf.parameters_changed(list(keys))
-
-    def to_string(self):
-        parts = ",\n".join(str(part.bsdf) for part in self._parts)
-        return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
+            for layer in self._layers:
+                if not changed or not changed.isdisjoint(layer.bsdf.names):
+                    layer.bsdf.parameters_changed(list(keys))

@@ -17,7 +17,6 @@ from urushi.core.facets import MIRROR
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised, relative, with_far_side
-from urushi.mitsuba.surface import Surface
 from urushi.mitsuba.tables import InterfaceAlbedo
 from urushi.openpbr_surface import model
 from urushi.openpbr_surface.bsdfs import SPREAD, SurfaceProposal
@@ -25,7 +24,7 @@ from urushi.openpbr_surface.film import NAMES as film_parameters
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import names_of
-from urushi.openpbr_surface.shares import INDICES, index2, index_of, tint_of
+from urushi.openpbr_surface.parts import INDICES, OfInputs, index2, index_of, tint_of
 from urushi.walk import interface
 
 #: Least share of the proposal for light that meets more than one facet.
@@ -88,23 +87,17 @@ class Unseen:
 
     def passed(self, si, active) -> Any:
         """Transmittance along si.wi: the colours are those of light along the normal."""
-        inputs, slab = self._inputs, mi.Spectrum(1)
-        tint = inputs.color("transmission_color", si, active)
-        coat = inputs.color("coat_color", si, active) if self._coated else mi.Spectrum(1)
+        inputs, at, tint = self._inputs, self._inputs.at(si, active), mi.Spectrum(1)
+        coat = at.coat_color if self._coated else tint
         if inputs.thin:  # the medium of the pane and two coats, each of the root of its colour
-            tint, slab = mi.Spectrum(1), tint * coat
+            slab = at.transmission_color * coat
         else:
-            tint, slab = tint_of(inputs, si, active), dr.sqrt(coat)
+            tint, slab = tint_of(inputs, at), dr.sqrt(coat)
         return tint * dr.power(slab, 1 / dr.maximum(dr.abs(si.wi.z), 1e-6))
 
 
-class Glass(Surface):
+class Glass(OfInputs):
     """The surface of a body whose medium transmits light (3.2.4)."""
-
-    def __init__(self, inputs: Inputs):
-        self._inputs = inputs
-        self._configure()
-        super().__init__(mi.Properties("openpbr_glass"))
 
     def _configure(self):
         index = index_of(self._inputs)
@@ -119,15 +112,21 @@ class Glass(Surface):
         film = not self._inputs.is_constant("thin_film_weight", 0)
         self._film: Any = FilmFresnel(self._inputs) if film else None
         self._mirror: Any = InterfaceAlbedo(MIRROR, two_widths) if film else None
+        bare = film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
+        self.names = (
+            *names_of("specular"),
+            "transmission_color",
+            *(film_parameters if bare else ()),
+        )
 
     def _vertex(self, si, active):
-        inputs = self._inputs
-        widths = inputs.widths("specular", si, active)
+        at = self._inputs.at(si, active)
+        widths = at.widths("specular")
         above, below = (self._not_kept(widths, None, x, si, active) for x in (True, False))
         scale = 1 / dr.maximum(dr.pi * (above + self._index**2 * below), 1e-5)
         lost = self._lost(widths, si.wi, si, active)
-        tint, specular = tint_of(inputs, si, active), inputs.color("specular_color", si, active)
-        return GlassVertex(widths, self._index_across(si.wi), tint, specular, lost, scale)
+        eta, tint = self._index_across(si.wi), tint_of(self._inputs, at)
+        return GlassVertex(widths, eta, tint, at.specular_color, lost, scale)
 
     def _lost(self, widths, w, si, active):
         """Share of the light from a direction that meets a second facet."""
@@ -152,8 +151,7 @@ class Glass(Surface):
         for c, weight in self._film.facets(None if w is None else w.z, 0.5 * (along + across)):
             bare = fresnel.dielectric(c, eta)[0]
             more += weight * (self._fresnel(c, eta, above, si, active) - bare)
-        mirror = self._mirror
-        seen = mirror.reflected_mean(widths) if w is None else mirror.reflected(w, widths)
+        seen = self._mirror.reflected(w, widths)
         leaves = passed / dr.maximum(1 - reflected / dr.maximum(seen, 1e-3), 1e-2)
         return lost + more * (dr.minimum(leaves, 1) - seen)
 
@@ -194,33 +192,26 @@ class Glass(Surface):
         facets = Facets(vertex.widths, vertex.eta, reflected)
         return SurfaceProposal([(facets, 1 - lost), (SlabMixture(SPREAD, SPREAD, 0.5, 1.0), lost)])
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters that it reads."""
-        bare = self._film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
-        film = film_parameters if bare else ()
-        return (*names_of("specular"), "transmission_color", *film)
-
-    def traverse(self, callback):
-        self._inputs.traverse(callback, self.names)
-
     def _update(self, keys):
         self._configure()
 
 
-class Sheet(Surface):
+class Sheet(OfInputs):
     """A thin wall of a medium that scatters light to both sides, below interfaces (3.2.3)."""
 
-    def __init__(self, inputs: Inputs):
-        self._inputs, self._base = inputs, model.Base(inputs, False)
+    names = (
+        *("subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"),
+        *names_of("specular"),
+    )
+
+    def _configure(self):
+        self._base = model.Base(self._inputs, False)
         self._transmit()
-        super().__init__(mi.Properties("openpbr_sheet"))
 
     def _vertex(self, si, active):
-        inputs, vertex = self._inputs, self._base._vertex(si, active)
-        color = inputs.color("subsurface_color", si, active)
-        forward = 0.5 + 0.5 * inputs.number("subsurface_scatter_anisotropy", si, active)
-        near, far = color * (1 - forward), color * forward
+        at, vertex = self._inputs.at(si, active), self._base._vertex(si, active)
+        forward = 0.5 + 0.5 * at.subsurface_scatter_anisotropy
+        near, far = at.subsurface_color * (1 - forward), at.subsurface_color * forward
         return vertex._replace(color=near), vertex._replace(color=far), forward
 
     def _f(self, vertex, ctx, si, wo, active):
@@ -237,12 +228,3 @@ class Sheet(Surface):
         through = dr.clip((1 - reflected) * forward, 0, 1 - model.MIN_SHARE)
         share = dr.clip(reflected / (1 - through), model.MIN_SHARE, 1 - model.MIN_SHARE)
         return with_far_side(Mixture([share, 1 - share], [near.widths]), through)
-
-    #: The parameters that it reads.
-    names = (
-        *("subsurface_color", "subsurface_scatter_anisotropy", "base_diffuse_roughness"),
-        *names_of("specular"),
-    )
-
-    def traverse(self, callback):
-        self._inputs.traverse(callback, self.names)

@@ -125,23 +125,19 @@ def _normal_map(
     return direction / np.maximum(_length(direction), 1e-30)
 
 
+def _of_numpy(names: str) -> dict[str, Function]:
+    """Functions of NumPy by nodes: "NODE=FUNCTION", or one name of both."""
+    pairs = (name.partition("=") for name in names.split())
+    return {node: getattr(np, name or node) for node, _, name in pairs}
+
+
 #: Nodes that are functions of their inputs alone, by the names of the inputs.
 _FUNCTIONS: dict[str, dict[str, Function]] = {
     "in": {
-        "absval": np.abs,
-        "floor": np.floor,
-        "ceil": np.ceil,
+        **_of_numpy("floor ceil sign sin cos tan sqrt exp"),
+        **_of_numpy("absval=abs asin=arcsin acos=arccos ln=log"),
         "round": lambda x: np.floor(x + 0.5),
         "fract": lambda x: x - np.floor(x),
-        "sign": np.sign,
-        "sin": np.sin,
-        "cos": np.cos,
-        "tan": np.tan,
-        "asin": np.arcsin,
-        "acos": np.arccos,
-        "sqrt": np.sqrt,
-        "ln": np.log,
-        "exp": np.exp,
         "magnitude": _length,
         "normalize": lambda x: x / np.maximum(_length(x), 1e-30),
         "not": lambda x: np.where(x != 0, 0.0, 1.0),
@@ -151,16 +147,10 @@ _FUNCTIONS: dict[str, dict[str, Function]] = {
         "hsvtorgb": _hsv_to_rgb,
     },
     "in1 in2": {
-        "add": np.add,
-        "subtract": np.subtract,
-        "multiply": np.multiply,
-        "divide": np.divide,
+        **_of_numpy("add subtract multiply divide power"),
+        **_of_numpy("min=minimum max=maximum crossproduct=cross"),
         "modulo": lambda x, y: x - y * np.floor(x / y),
-        "power": np.power,
-        "min": np.minimum,
-        "max": np.maximum,
         "dotproduct": _dot,
-        "crossproduct": np.cross,
         "and": lambda a, b: np.where((a != 0) & (b != 0), 1.0, 0.0),
         "or": lambda a, b: np.where((a != 0) | (b != 0), 1.0, 0.0),
     },

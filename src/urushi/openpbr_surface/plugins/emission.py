@@ -140,26 +140,23 @@ def define() -> type:
         def _radiance(self, cosine, si, active):
             """The radiance that leaves at an angle to the normal."""
             cosine = self._towards(cosine)
-            inputs, active = self._inputs, mi.Bool(active) & (cosine > 0)
+            active = mi.Bool(active) & (cosine > 0)
             cosine = dr.clip(cosine, 0, 1)
-            value = inputs.number("emission_luminance", si, active) * inputs.color(
-                "emission_color", si, active
-            )
+            at = self._inputs.at(si, active)
+            value = at.emission_luminance * at.emission_color
             if self._white is not None:
                 value *= self._white.eval(si, active)
             if self._interface:
-                eta = dr.clip(inputs.number("coat_ior", si, active), 1 / 3, 3)
-                alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), DRJIT)
+                eta = dr.clip(at.coat_ior, 1 / 3, 3)
+                alpha = formulas.lobe_width(at.coat_roughness, DRJIT)
                 inside = dr.sqrt(dr.maximum(1 - (1 - cosine * cosine) / (eta * eta), 1e-6))
-                depth = optical_depth(inputs.color("coat_color", si, active), DRJIT)
                 passed = 1 - self._interface.reflected(cosine, alpha, eta)
-                coated = passed * dr.exp(-depth / inside)
-                value *= dr.lerp(mi.Spectrum(1), coated, inputs.number("coat_weight", si, active))
+                coated = passed * dr.exp(-optical_depth(at.coat_color, DRJIT) / inside)
+                value *= dr.lerp(mi.Spectrum(1), coated, at.coat_weight)
             if self._fuzz:
-                rough = inputs.number("fuzz_roughness", si, active)
-                hidden = formulas.fuzz_albedo(cosine, rough, DRJIT)
-                value *= 1 - inputs.number("fuzz_weight", si, active) * hidden
-            value *= inputs.number("geometry_opacity", si, active)
+                hidden = formulas.fuzz_albedo(cosine, at.fuzz_roughness, DRJIT)
+                value *= 1 - at.fuzz_weight * hidden
+            value *= at.geometry_opacity
             return dr.select(active, value, 0)
 
         def traverse(self, callback):

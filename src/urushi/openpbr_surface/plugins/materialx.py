@@ -11,8 +11,14 @@ from urushi.errors import ParameterError
 from urushi.mitsuba.properties import check_names, describe, path_of, switch_of
 from urushi.openpbr_surface.inputs import OPTIONS, Inputs
 from urushi.openpbr_surface.materialx.baking import Texture
-from urushi.openpbr_surface.materialx.reader import Mix, ParameterValue, Surface
-from urushi.openpbr_surface.materialx.surface import RESOLUTION, RESOLUTIONS, read_surface
+from urushi.openpbr_surface.materialx.surface import (
+    RESOLUTION,
+    RESOLUTIONS,
+    Mix,
+    ParameterValue,
+    Surface,
+    read_surface,
+)
 from urushi.openpbr_surface.parameters import EMISSION, PARAMETERS
 
 

@@ -7,8 +7,7 @@ from urushi.mitsuba.properties import switch_of
 from urushi.mitsuba.surface import bsdf_of
 from urushi.openpbr_surface.bsdfs import OpenPBRSurface
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.parts import COATS, Coating
-from urushi.openpbr_surface.shares import transmits, without_medium
+from urushi.openpbr_surface.parts import COATS, Coating, transmits, without_medium
 from urushi.openpbr_surface.transmission import Body
 
 
