@@ -7,11 +7,10 @@ import { compensated, lostByCoat, lostByMetal } from "./compensation";
 import { EnergyLimit, MOST_ALBEDO } from "./energy";
 import { Evaluation } from "./evaluation";
 import { layered, withinTraining } from "./layerer";
-import { Proposals } from "./mixture";
 import type { Network } from "./network";
 import { FileError } from "./safetensors";
 import { coatOfChannel, lobeOfSurface, ofChannel, type Surface } from "./surfaces";
-import { type Architecture, readWeights, type Weights } from "./weights";
+import { readWeights, type Weights } from "./weights";
 
 /**
  * Read the weights.
@@ -32,15 +31,14 @@ export const METHODS = ["layer", "f", "albedo", "table", "basisTexels"] as const
 export class NetworkCore extends Evaluation {
   /** Identifies the networks: a saved material names those it belongs to. */
   readonly fingerprint: string;
-  private readonly arch: Architecture;
   private readonly layerer: Network;
   private readonly energy: EnergyLimit;
 
   constructor({ arch, basis: parameters, fingerprint, layerer, proposal }: Weights) {
     const basis = new Basis(parameters, arch.lobe);
-    super(arch, basis, new Proposals(proposal, arch.lobe));
+    super(arch, basis, proposal);
     this.fingerprint = fingerprint;
-    [this.arch, this.layerer] = [arch, layerer];
+    this.layerer = layerer;
     this.energy = new EnergyLimit(basis, arch.lobe);
   }
 

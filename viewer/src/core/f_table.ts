@@ -50,7 +50,7 @@ export function nodePairs(): Pairs {
       target.set([x / size, y / size, z / size], 3 * i);
     }
   }
-  return Pairs.of(wi, wo);
+  return new Pairs(wi, wo);
 }
 
 /** A logarithm within the range of tables. */

@@ -16,6 +16,7 @@ import {
 import { ANGLE } from "../material/parameters";
 import { announce, changeMaterial, material } from "../state/store";
 import { BottomCard } from "./BottomCard";
+import { Button } from "./Button";
 import { CoatCard } from "./CoatCard";
 import { Field } from "./Field";
 import { Icon } from "./icons";
@@ -66,8 +67,7 @@ export function Cards() {
     <section class="cards" aria-label="Stack of layers">
       <div class="cards-head">
         <h2>Layers</h2>
-        <button
-          type="button"
+        <Button
           class="quiet"
           aria-disabled={!takesCoat(material.value)}
           title={
@@ -82,7 +82,7 @@ export function Cards() {
           }}
         >
           <Icon name="plus" /> Add coat
-        </button>
+        </Button>
       </div>
       <ul ref={list} aria-label="Coats, the topmost first">
         {coats.map((card, place) => (

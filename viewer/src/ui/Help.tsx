@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { IconButton } from "./IconButton";
+import { IconButton } from "./Button";
 
 /** Whether the page explains, and what it says. */
 const explains = signal(false);
