@@ -9,7 +9,7 @@ import { Evaluation } from "./evaluation";
 import { layered, withinTraining } from "./layerer";
 import type { Network } from "./network";
 import { FileError } from "./safetensors";
-import { coatOfChannel, lobeOfSurface, ofChannel, type Surface } from "./surfaces";
+import { coatOfChannel, lobeOfSurface, ofChannel } from "./surfaces";
 import { readWeights, type Weights } from "./weights";
 
 /**
@@ -44,14 +44,11 @@ export class NetworkCore extends Evaluation {
 
   /** The codes (3, L) of a bottom without coats. */
   encode(bottom: Bottom): Float32Array {
-    return bottom.kind === "codes" ? this.checked(bottom.latents) : this.encodeSurface(bottom);
-  }
-
-  /** A surface is its lobe alone; a Lambertian one has none, and an even rest. */
-  private encodeSurface(surface: Surface): Float32Array {
+    if (bottom.kind === "codes") return this.checked(bottom.latents);
+    // A surface is its lobe alone; a Lambertian one has none, and an even rest.
     const codes = [0, 1, 2].map((channel) => {
-      const lobe = lobeOfSurface(surface, channel, this.widths);
-      const albedo = surface.kind === "diffuse" ? ofChannel(surface.reflectance, channel) : 0;
+      const lobe = lobeOfSurface(bottom, channel, this.widths);
+      const albedo = bottom.kind === "diffuse" ? ofChannel(bottom.reflectance, channel) : 0;
       return this.basis.withEven(lobe, Math.min(albedo, MOST_ALBEDO) / Math.PI);
     });
     return joined(codes);

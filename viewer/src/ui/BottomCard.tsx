@@ -16,7 +16,7 @@ import {
 } from "../material/material";
 import { BOTTOM_PARAMETERS, type Parameter } from "../material/parameters";
 import { METALS } from "../material/presets";
-import { changeMaterial } from "../state/store";
+import { changeMaterial, material } from "../state/store";
 import { Button, IconButton } from "./Button";
 import { Choice } from "./Choice";
 import { Field } from "./Field";
@@ -34,19 +34,12 @@ type Kind = keyof typeof KINDS | "codes" | "texels";
 
 type AnyBottom = MaterialCards["bottom"];
 
-interface BottomCardProps {
-  material: MaterialCards;
-  /** Whether the bottom is shown without coats. */
-  alone: boolean;
-}
-
-export function BottomCard({ material, alone }: BottomCardProps) {
-  const { bottom } = material;
+export function BottomCard() {
+  const { bottom, name, solo } = material.value;
   const kind = kindOf(bottom);
-  const { name } = material;
   const bare = useMemo(() => ({ name, bottom, coats: [], solo: null }), [name, bottom]);
   const change = (next: AnyBottom, step = "") =>
-    changeMaterial({ ...material, bottom: next }, step);
+    changeMaterial({ ...material.value, bottom: next }, step);
   const surface = {
     owner: "Bottom",
     widths: bottom as Widths,
@@ -90,8 +83,8 @@ export function BottomCard({ material, alone }: BottomCardProps) {
           class="solo"
           name="Solo the bottom"
           title="Show the bottom without coats"
-          pressed={alone}
-          onClick={() => changeMaterial({ ...material, solo: alone ? null : BARE })}
+          pressed={solo === BARE}
+          onClick={() => changeMaterial({ ...material.value, solo: solo === BARE ? null : BARE })}
         >
           S
         </IconButton>

@@ -20,6 +20,7 @@ import {
   type CoatCard as Card,
   type CoatInAir,
   hasSurface,
+  isSeen,
   type Widths,
   withoutCoat,
 } from "../material/material";
@@ -32,13 +33,12 @@ import { GlossField, WidthFields, withWidths } from "./WidthFields";
 interface CoatCardProps {
   card: Card;
   name: string;
-  seen: boolean;
   dragged: boolean;
   onMove: (step: number) => void;
   onDrag: (event: PointerEvent) => void;
 }
 
-export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCardProps) {
+export function CoatCard({ card, name, dragged, onMove, onDrag }: CoatCardProps) {
   const isFolded = useSignal(false);
   const solo = material.value.solo === card.id;
   const replace = (next: Card, kind: string) => {
@@ -67,7 +67,11 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
     widths: card,
     onChange: (next: Widths, kind: string) => replace(withWidths(card, next), kind),
   };
-  const classes = ["card", seen ? "" : "unseen", dragged ? "dragged" : ""].join(" ");
+  const classes = [
+    "card",
+    isSeen(material.value, card) ? "" : "unseen",
+    dragged ? "dragged" : "",
+  ].join(" ");
   return (
     <li class={classes} aria-label={name} style={{ "--medium": hex(shownColour(card)) }}>
       <header>
