@@ -254,14 +254,8 @@ def functions() -> list[Function]:
             lambda fresnel_mean, seen_mean, xp: facets.multiple_albedo(fresnel_mean, seen_mean),
         ),
         filling(
-            "table_coordinates",
-            "Coordinates of a pair of directions in a table of f.",
-            (WI, WO),
-            lambda wi, wo, xp: table.coordinates(*_both_and_apart(wi, wo), xp),
-        ),
-        filling(
             "stretched_coordinates",
-            "Coordinates in a table of f of two widths by s^2, and factors of the azimuth.",
+            "Coordinates in a table of f by the stretch s^2, and factors of the azimuth.",
             (*floats("stretch2"), WI, WO),
             lambda stretch2, wi, wo, xp: itertools.chain(
                 *stretched.stretched(*_both_and_apart(wi, wo), stretch2, xp)

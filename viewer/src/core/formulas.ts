@@ -169,20 +169,7 @@ export function multipleAlbedo(fresnelMean: number, seenMean: number): number {
     return fresnelMean * fresnelMean * seenMean / (1 - fresnelMean * (1 - seenMean));
 }
 
-/** Coordinates of a pair of directions in a table of f. */
-export function tableCoordinates(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
-    woZ: number, out: Float64Array, at: number): void {
-    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
-    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
-    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
-    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
-    out[at] = (Math.log(across / z2 + 1e-05) - (-11.512925464970229)) * 0.05428681023790647;
-    out[1 + at] = Math.sqrt(1 - cosD);
-    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
-        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
-}
-
-/** Coordinates in a table of f of two widths by s^2, and factors of the azimuth. */
+/** Coordinates in a table of f by the stretch s^2, and factors of the azimuth. */
 export function stretchedCoordinates(stretch2: number, wiX: number, wiY: number, wiZ: number, woX:
     number, woY: number, woZ: number, out: Float64Array, at: number): void {
     const stretchedZ2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);

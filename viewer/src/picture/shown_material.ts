@@ -27,7 +27,7 @@ function lobeOf({ latents, table }: Material): Float32Array<ArrayBuffer> {
 export class ShownMaterial {
   /** What is drawn in place of the table; null: the material is the same everywhere. */
   texels: TexelProgram | null = null;
-  private codes: ShownTexture | null = null;
+  codes: ShownTexture | null = null;
   private readonly table: WebGLTexture;
   private sizes: DirectionSizes = { azimuths: 1, cosines: 1, samples: 0 };
   /** Angle by which the tangent is turned [radians]. */
