@@ -36,7 +36,7 @@ def main(
     for name in names:
         if name not in (*known, "all", "stale", "pages"):
             raise SystemExit(f"there is no experiment '{name}'; choose from {', '.join(known)}")
-    mi.set_variant(options.variant)
+    mi.set_variant("llvm_ad_rgb")
     for name in known:
         if not {name, "all"} & {*names} and not ("stale" in names and experiment.state(name)):
             continue

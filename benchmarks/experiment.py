@@ -14,7 +14,7 @@ import os
 import platform
 import re
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date
 from pathlib import Path
@@ -49,13 +49,11 @@ class Options:
         files: MERL or RGL files, folders of these, or archives of neural fits; by default those in
             the folder that URUSHI_TEST_DATA names.
         share: of samples, walks, stacks and texels; below 1 a run is quicker and less certain.
-        variant: of Mitsuba.
     """
 
     weights: str | None = None
     files: tuple[Path, ...] = ()
     share: float = 1.0
-    variant: str = "llvm_ad_rgb"
 
     @property
     def model(self) -> Model:
@@ -151,7 +149,7 @@ def run(name: str, options: Options, chosen: Sequence[str] = (), fresh: bool = F
             if images is not None:
                 with atomic_write(file(key, ".npz")) as temporary:
                     np.savez(temporary, **{k: np.float16(v) for k, v in images.items()})
-            _write_json(path, _short(values))
+            _write_json(path, rounded(values))
         found[key] = json.loads(path.read_text())
     if not chosen and replace(options, files=()) == Options():
         stamp = {"date": date.today().isoformat(), "processor": processor()}
@@ -164,15 +162,27 @@ def run(name: str, options: Options, chosen: Sequence[str] = (), fresh: bool = F
     return found
 
 
-def _short(values: Any) -> Any:
-    """Values for JSON: five digits of floats, and lists in the place of arrays."""
+def kept(name: str, compute: Callable[[], Iterable[np.ndarray]]) -> list[np.ndarray]:
+    """Arrays that are computed once, and then read from out/figures/NAME.npz."""
+    path = PARTS / f"{name}.npz"
+    if not path.is_file():
+        arrays = compute()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(path) as temporary:
+            np.savez(temporary, *arrays)
+    with np.load(path) as stored:
+        return [stored[name] for name in stored.files]
+
+
+def rounded(values: Any, digits: int = 5) -> Any:
+    """Values for JSON: few digits of floats, and lists in the place of arrays."""
     if isinstance(values, (np.ndarray, np.generic)):
         values = values.tolist()
     if isinstance(values, Mapping):
-        return {name: _short(value) for name, value in values.items()}
+        return {name: rounded(value, digits) for name, value in values.items()}
     if isinstance(values, (list, tuple)):
-        return [_short(value) for value in values]
-    return float(f"{values:.5g}") if isinstance(values, float) else values
+        return [rounded(value, digits) for value in values]
+    return float(f"{values:.{digits}g}") if isinstance(values, float) else values
 
 
 def _write_json(path: Path, values: Any) -> None:

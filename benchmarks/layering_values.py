@@ -9,9 +9,8 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from benchmarks.experiment import ROOT
+from benchmarks.experiment import ROOT, rounded
 from benchmarks.referee import materials
-from benchmarks.showing import rounded
 
 import urushi
 from urushi.core.direction_sets import Pairs

@@ -19,20 +19,19 @@ from typing import Any
 import flip_evaluator
 import mitsuba as mi
 import numpy as np
-from benchmarks.experiment import PARTS
+from benchmarks.experiment import kept
 from benchmarks.scenes import OWN, PAPER, WALK, describe, digest
 from fan2022.kernels import separate_kernels
 from tqdm import tqdm
 
 from urushi.core import error_metrics as metrics
-from urushi.files import atomic_write
 
 #: PSNR of equal pictures [dB], finite so that means are finite. It is higher than that of any two
 #: different pictures of 16 bits per channel.
 BEST_PSNR = 100.0
 #: Samples per pixel of one pass, which bounds the memory; least number of passes of a method, and
-#: of samples of a pass; and seconds between two saves of a converged picture.
-PASS_SPP, PASSES, LEAST_SPP, SAVE_EVERY = 16, 4, 2, 30.0
+#: of samples of a pass.
+PASS_SPP, PASSES, LEAST_SPP = 16, 4, 2
 #: A long render, by which methods are timed, has the samples of `LONG` passes; see `at_equal_time`.
 LONG, LONG_TURNS, SLOW = 8, 4, 10
 
@@ -99,29 +98,21 @@ class Picture:
 
 
 def converged(view: View, method: str, spp: int) -> Picture:
-    """Render a scene with `spp` samples per pixel, less those that are stored in out/figures."""
-    folder = PARTS / "pictures"
-    folder.mkdir(parents=True, exist_ok=True)
+    """Render a scene with `spp` samples per pixel, or read the picture that is kept."""
     scene, key = view.load(method)
-    name = f"{view.name}-{Path(method).stem}"
-    path, done, sums = folder / f"{name}.npz", 0, np.zeros((2, 1, 1, 3))
-    if path.exists():
-        with np.load(path) as file:
-            if str(file["key"]) == key:
-                sums, done = file["sums"], int(file["passes"])
     passes = max(2, 2 * round(spp / PASS_SPP / 2))
-    saved = time.monotonic()
-    for index in tqdm(range(done, passes), desc=name, initial=done, total=passes, disable=None):
-        # Methods have different seeds, so that two pictures share no noise.
-        seed = int(hashlib.sha256(f"{method} {index}".encode()).hexdigest()[:8], 16)
-        image = mi.render(scene, spp=PASS_SPP, seed=seed).numpy()
-        sums = np.stack([x + image * (index % 2 == half) for half, x in enumerate(sums)])
-        if time.monotonic() - saved > SAVE_EVERY or index == passes - 1:
-            with atomic_write(path) as temporary:
-                np.savez(temporary, sums=sums, passes=index + 1, key=key)
-            saved = time.monotonic()
-    count = max(passes, done)
-    return Picture(sums[0] / ((count + 1) // 2), sums[1] / (count // 2))
+    name = f"{view.name}-{Path(method).stem}-{passes}"
+
+    def halves() -> list[np.ndarray]:
+        sums: list[Any] = [0.0, 0.0]
+        for index in tqdm(range(passes), desc=name, disable=None):
+            # Methods have different seeds, so that two pictures share no noise.
+            seed = int(hashlib.sha256(f"{method} {index}".encode()).hexdigest()[:8], 16)
+            image = mi.render(scene, spp=PASS_SPP, seed=seed).numpy()
+            sums[index % 2] = sums[index % 2] + image.astype(np.float64)
+        return [total / (passes // 2) for total in sums]
+
+    return Picture(*kept(f"pictures/{name}-{key[:16]}", halves))
 
 
 @dataclass(eq=False)

@@ -40,12 +40,6 @@ def interval(values: np.ndarray) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def rounded(values: Any, digits: int = 4) -> Any:
-    """Values as nested lists of few significant digits, which keep committed files small."""
-    flat = [float(f"{x:.{digits}g}") for x in np.asarray(values, float).ravel()]
-    return np.array(flat).reshape(np.shape(values)).tolist()
-
-
 def figure(width: float, height: float) -> Figure:
     """An empty figure of a size in inches."""
     return Figure(figsize=(width, height), layout="constrained")

@@ -16,6 +16,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -199,28 +200,25 @@ def _clip(value: Any, low: float, high: float) -> Any:
     return call("min", call("max", value, low), high)
 
 
-def of_widths(alphas: Sequence[Any]) -> Any:
-    """A width of GGX, or two."""
-    return alphas[0] if len(alphas) == 1 else Widths(*alphas)
-
-
 def functions() -> list[Function]:
-    """The functions of the file; those of networks of two widths end in 2."""
+    """The functions of the file."""
+    schlick = returning(
+        "schlick",
+        "Schlick's term of factors at normal and at grazing incidence (Schlick 1994).",
+        floats("normal", "grazing", "cosine"),
+        lambda normal, grazing, cosine, xp: lobe.reflectance_of(
+            (normal, grazing, None, None, None), cosine, xp
+        ),
+    )
+    exact = returning(
+        "fresnel",
+        "Unpolarised reflectance of a smooth surface of index eta - i k (PBRT v3, 8.2.1).",
+        floats("cosine", "eta", "k"),
+        fresnel.exact,
+    )
     found = [
-        returning(
-            "schlick",
-            "Schlick's term of factors at normal and at grazing incidence (Schlick 1994).",
-            floats("normal", "grazing", "cosine"),
-            lambda normal, grazing, cosine, xp: lobe.reflectance_of(
-                (normal, grazing, None, None, None), cosine, xp
-            ),
-        ),
-        returning(
-            "fresnel",
-            "Unpolarised reflectance of a smooth surface of index eta - i k (PBRT v3, 8.2.1).",
-            floats("cosine", "eta", "k"),
-            fresnel.exact,
-        ),
+        schlick,
+        exact,
         returning(
             "facet_cosine",
             "Cosine between either direction and the half vector.",
@@ -256,21 +254,15 @@ def functions() -> list[Function]:
             lambda fresnel_mean, seen_mean, xp: facets.multiple_albedo(fresnel_mean, seen_mean),
         ),
         filling(
-            "table_coordinates",
-            "Coordinates of a pair of directions in a table of f.",
-            (WI, WO),
-            lambda wi, wo, xp: table.coordinates(*_both_and_apart(wi, wo), xp),
-        ),
-        filling(
             "stretched_coordinates",
-            "Coordinates in a table of f of two widths by s^2, and factors of the azimuth.",
+            "Coordinates in a table of f by the stretch s^2, and factors of the azimuth.",
             (*floats("stretch2"), WI, WO),
             lambda stretch2, wi, wo, xp: itertools.chain(
                 *stretched.stretched(*_both_and_apart(wi, wo), stretch2, xp)
             ),
         ),
     ]
-    return [*found, *_of_networks(1, ""), *_of_networks(2, "2"), *_of_surfaces()]
+    return [*found, *_of_networks(), *_of_surfaces(schlick, exact)]
 
 
 def _both_and_apart(wi: Components, wo: Components) -> tuple[Components, Components]:
@@ -279,34 +271,39 @@ def _both_and_apart(wi: Components, wo: Components) -> tuple[Components, Compone
     return Components(*(a + b for a, b in pairs)), Components(*(a - b for a, b in pairs))
 
 
-def _of_networks(widths: int, end: str) -> list[Function]:
-    """The functions for networks of one GGX width or two."""
-    alphas = floats("alpha") if widths == 1 else ALPHAS
+def _of_networks() -> list[Function]:
+    """The inputs of networks of two GGX widths, whose first are those of networks of one."""
 
-    def coat(*values: Any) -> Any:
-        *given, eta, albedo, sigma_t, g, xp = values
-        columns = features.coat_columns(of_widths(given), eta, albedo, sigma_t, g, xp)
-        return features.COATS[widths].each(columns)
+    def coat(alpha_u: Any, alpha_v: Any, *medium: Any) -> Any:
+        columns = features.coat_columns(Widths(alpha_u, alpha_v), *medium)
+        return features.COATS[2].each(columns)
 
-    def lobe_columns(*values: Any) -> Any:
-        *given, first, second, third, xp = values
-        columns = lobe.feature_columns(given, (first, second, third), xp)
-        return lobe.FEATURES[widths].each(columns)
+    def lobe_columns(alpha_u: Any, alpha_v: Any, *values: Any) -> Any:
+        *reflectances, xp = values
+        columns = lobe.feature_columns([alpha_u, alpha_v], tuple(reflectances), xp)
+        return lobe.FEATURES[2].each(columns)
 
     medium = floats("eta", "albedo", "sigma_t", "g")
     return [
-        filling(f"coat_features{end}", "The layerer's inputs of a coat.", (*alphas, *medium), coat),
+        filling("coat_features", "The layerer's inputs of a coat.", (*ALPHAS, *medium), coat),
         filling(
-            f"lobe_features{end}",
+            "lobe_features",
             "The networks' inputs of a lobe, by its reflectances at `LOBE.COSINES`.",
-            (*alphas, *floats("first", "second", "third")),
+            (*ALPHAS, *floats("first", "second", "third")),
             lobe_columns,
         ),
     ]
 
 
-def _of_surfaces() -> list[Function]:
-    """The functions for a surface of two GGX widths, which may be equal."""
+def _of_surfaces(schlick: Function, exact: Function) -> list[Function]:
+    """The functions for a surface of two GGX widths, which may be equal.
+
+    They call those of Schlick's term and of the exact reflectance.
+    """
+
+    def reflectance(numbers: Any, cosine: Any) -> Any:
+        normal, grazing, factor, eta, k = (element(numbers, i) for i in range(1, 6))
+        return schlick(normal, grazing, cosine) + factor * exact(cosine, eta, k)
 
     def shape(*values: Any) -> Any:
         *given, wi, wo, xp = values
@@ -316,7 +313,7 @@ def _of_surfaces() -> list[Function]:
         )
         wi, wo = above
         h = microfacet.half_vector(wi, wo, xp)
-        return microfacet.lobe_shape(of_widths(given), wi, wo, h, xp)
+        return microfacet.lobe_shape(Widths(*given), wi, wo, h, xp)
 
     return [
         filling(
@@ -331,8 +328,8 @@ def _of_surfaces() -> list[Function]:
             lambda terms, overlaps, numbers, cosine, passed, xp: proposal.weights(
                 [element(terms, i) for i in range(proposal.TERMS)],
                 [element(overlaps, i) for i in range(len(proposal.ALPHAS))],
-                of_widths([element(numbers, i) for i in lobe.WIDTH_PLACES[2]]),
-                lambda c: lobe.reflectance_of([element(numbers, i) for i in range(1, 6)], c, xp),
+                Widths(*(element(numbers, i) for i in lobe.WIDTH_PLACES[2])),
+                partial(reflectance, numbers),
                 cosine,
                 xp,
                 passed,
@@ -343,7 +340,7 @@ def _of_surfaces() -> list[Function]:
             "The share of light that passes the topmost interface, for a direction.",
             (*ALPHAS, *floats("factor", "eta", "k"), W),
             lambda *values: transmittance.transmittance(
-                of_widths(values[:2]), values[2:5], *values[5:]
+                Widths(*values[:2]), values[2:5], *values[5:]
             ),
         ),
         returning("lobe_shape", "The lobe [1/sr] of reflectance 1.", (*ALPHAS, WI, WO), shape),
@@ -351,21 +348,14 @@ def _of_surfaces() -> list[Function]:
             "visible_normal",
             "Facet normal, of any length, that is visible from wi (Dupuy and Benyoub 2023).",
             (*ALPHAS, WI, *floats("u1", "u2")),
-            lambda *values: microfacet.visible_normal(of_widths(values[:-4]), *values[-4:]),
+            lambda *values: microfacet.visible_normal(Widths(*values[:-4]), *values[-4:]),
             VECTOR,
         ),
         returning(
             "reflection_pdf",
-            "Density [1/sr] of `sampleReflection`, its mirrored part included.",
+            "Density [1/sr] of light mirrored by visible normals, and then up.",
             (*ALPHAS, WI, WO),
-            lambda *values: mixture.reflection_pdf(of_widths(values[:-3]), *values[-3:]),
-        ),
-        returning(
-            "sample_reflection",
-            "Reflect wi about a visible normal and mirror it up (Dupuy and Benyoub 2023).",
-            (*ALPHAS, WI, *floats("u1", "u2")),
-            lambda *values: mixture.sample_reflection(of_widths(values[:-4]), *values[-4:]),
-            VECTOR,
+            lambda *values: mixture.reflection_pdf(Widths(*values[:-3]), *values[-3:]),
         ),
     ]
 

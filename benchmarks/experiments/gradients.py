@@ -16,6 +16,7 @@ from benchmarks.showing import table
 from gallery import stage
 
 import urushi  # noqa: F401  # registers the plugins
+from urushi.core.direction_sets import direction
 from urushi.mitsuba.reading import probing
 
 #: Pairs of directions at which slopes are compared, and walks for each.
@@ -99,15 +100,10 @@ SLOPES = {
 }
 
 
-def spread(count: int, seed: int) -> np.ndarray:
-    u = np.random.default_rng(seed).random((count, 2))
-    sine, azimuth = np.sqrt(1 - u[:, 0] ** 2), 2 * np.pi * u[:, 1]
-    return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), u[:, 0]], axis=-1)
-
-
 def f_cos(bsdf: "mi.BSDF", walks: int = 1) -> "mi.Float":
     """The red channel of f cos at the pairs (PAIRS * walks), all pairs for each walk."""
-    wi, wo = (np.tile(spread(PAIRS, seed), (walks, 1)) for seed in (1, 2))
+    u = (np.random.default_rng(seed).random((PAIRS, 2)).T for seed in (1, 2))
+    wi, wo = (np.tile(direction(*numbers), (walks, 1)) for numbers in u)
     time = np.repeat(np.arange(walks, dtype=np.float32), PAIRS)
     si = probing.interaction(wi.astype(np.float32), np.full((len(wi), 2), 0.5), time)
     wo = mi.Vector3f(np.ascontiguousarray(wo.T, np.float32))

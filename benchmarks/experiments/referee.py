@@ -2,43 +2,34 @@
 
 adobe/openpbr-bsdf takes part if URUSHI_OPENPBR_PROGRAM names a program (`methods.program`), and
 Cycles if BPY_PYTHON names a Python that has Blender's module bpy. Others are always there. The
-references are kept in out/referee.
+references are kept.
 """
 
 import subprocess
-from functools import cache
-from pathlib import Path
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from benchmarks.experiment import NETWORKS, Experiment, Found, Options
+from benchmarks.experiment import NETWORKS, Experiment, Found, Options, kept
 from benchmarks.measures import channel_errors, coat_errors
 from benchmarks.referee import materials, methods
 from benchmarks.showing import table
 
 import urushi
-from urushi.files import atomic_write
 
 #: Walks of a pair of the references, their seed, and walks of methods that walk.
 WALKS, SEED, OWN_WALKS = 1 << 9, 1, 1 << 7
 #: Largest width of coats that lose little light by scattering it once.
 SMOOTH = 0.1
-FOLDER, TRUTH = Path("out/referee"), "noise of the references"
+TRUTH = "noise of the references"
 
 
 @cache
-def truth(name: str, walks: int) -> tuple[np.ndarray, np.ndarray]:
+def truth(name: str, walks: int) -> list[np.ndarray]:
     """f and its standard error, float32 (N, 3), of a material at `materials.pairs`."""
-    path = FOLDER / f"{name.replace(' ', '_')}-{walks}.npz"
-    wi, wo = materials.pairs()
-    if not path.is_file():
-        stack = materials.STACKS[name]
-        f, se = urushi.simulate(stack, wi, wo, walks=walks, seed=SEED, progress=False)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(path) as temporary, temporary.open("wb") as file:
-            np.savez(file, f=f, se=se)
-    with np.load(path) as stored:
-        return stored["f"], stored["se"]
+    stack = materials.STACKS[name]
+    walked = partial(urushi.simulate, stack, *materials.pairs(), seed=SEED, progress=False)
+    return kept(f"referee/{name.replace(' ', '_')}-{walks}", partial(walked, walks=walks))
 
 
 def measure(name: str, options: Options) -> dict[str, Any]:

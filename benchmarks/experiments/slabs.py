@@ -12,6 +12,8 @@ from benchmarks.measures import in_plane
 from benchmarks.showing import COLOURS, figure, table
 
 import urushi
+from urushi.core import fresnel
+from urushi.core.namespace import NUMPY
 from urushi.material.slab_table import slab_tables
 from urushi.walk.simulate import albedo
 
@@ -51,11 +53,7 @@ def measure(slab: tuple[float, ...], options: Options) -> Found:
 
 def closed(eta: float, sigma_t: float, degrees: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Reflected and transmitted share of a smooth slab that absorbs."""
-    cos = np.cos(np.radians(degrees))
-    inside = np.sqrt(1 - (1 - cos * cos) / eta**2)
-    parallel = (eta * cos - inside) / (eta * cos + inside)
-    across = (cos - eta * inside) / (cos + eta * inside)
-    surface = (parallel**2 + across**2) / 2
+    surface, inside = fresnel.dielectric(np.cos(np.radians(degrees)), eta, NUMPY)
     left = np.exp(-sigma_t / inside)
     once = (1 - surface) ** 2 * left / (1 - (surface * left) ** 2)
     return surface + once * surface * left, once

@@ -14,7 +14,7 @@ from typing import Any
 import jax
 import numpy as np
 from benchmarks import measures, sphere, timing
-from benchmarks.experiment import NETWORKS, PARTS, Experiment, Found, Options
+from benchmarks.experiment import NETWORKS, Experiment, Found, Options, kept
 from benchmarks.measures import half_angle_pairs
 from benchmarks.pictures import compare
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
@@ -26,7 +26,6 @@ from fan2022.pairs import stratified_pairs
 
 import urushi
 from urushi.core import direction_sets
-from urushi.files import atomic_write
 from urushi.material.source import Source
 from urushi.nets.weights import default_model
 
@@ -55,16 +54,13 @@ PAPER = {"Rainer 2019": "no", "Rainer 2020": "no", "NBRDF": "yes", "Fan 2022": "
 @cache
 def networks() -> rainer.Unified:
     """The shared networks of Rainer et al. 2020, trained once and kept."""
-    path = PARTS / "rainer-2020-networks.npz"
-    if not path.exists():
+
+    def trained() -> list[np.ndarray]:
         pairs = training_set(SHARED, PAIRS, WALKS, SEED + 1000)
-        trained = rainer.train_unified(*pairs, steps=STEPS)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(path) as temporary, temporary.open("wb") as file:
-            np.savez(file, *jax.tree.leaves(trained))
-    with np.load(path) as stored:
-        leaves = [stored[name] for name in stored.files]
-    return jax.tree.unflatten(jax.tree.structure(rainer.untrained()), leaves)
+        return jax.tree.leaves(rainer.train_unified(*pairs, steps=STEPS))
+
+    structure = jax.tree.structure(rainer.untrained())
+    return jax.tree.unflatten(structure, kept("rainer-2020-networks", trained))
 
 
 def represent(method: str, subject: Subject, options: Options) -> Any:

@@ -10,13 +10,7 @@ export function rows(codes: Float32Array, size: number): Float32Array[] {
 
 /** Codes (3, L) of those of the channels. */
 export function joined(codes: readonly Float32Array[]): Float32Array {
-  const result = new Float32Array(codes.reduce((length, code) => length + code.length, 0));
-  let at = 0;
-  for (const code of codes) {
-    result.set(code, at);
-    at += code.length;
-  }
-  return result;
+  return Float32Array.from(codes.flatMap((code) => [...code]));
 }
 
 /** Codes (3, L) by a function of the channel, called once for channels of the same numbers. */

@@ -7,11 +7,10 @@ import { compensated, lostByCoat, lostByMetal } from "./compensation";
 import { EnergyLimit, MOST_ALBEDO } from "./energy";
 import { Evaluation } from "./evaluation";
 import { layered, withinTraining } from "./layerer";
-import { Proposals } from "./mixture";
 import type { Network } from "./network";
 import { FileError } from "./safetensors";
-import { coatOfChannel, lobeOfSurface, ofChannel, type Surface } from "./surfaces";
-import { type Architecture, readWeights, type Weights } from "./weights";
+import { coatOfChannel, lobeOfSurface, ofChannel } from "./surfaces";
+import { readWeights, type Weights } from "./weights";
 
 /**
  * Read the weights.
@@ -32,28 +31,24 @@ export const METHODS = ["layer", "f", "albedo", "table", "basisTexels"] as const
 export class NetworkCore extends Evaluation {
   /** Identifies the networks: a saved material names those it belongs to. */
   readonly fingerprint: string;
-  private readonly arch: Architecture;
   private readonly layerer: Network;
   private readonly energy: EnergyLimit;
 
   constructor({ arch, basis: parameters, fingerprint, layerer, proposal }: Weights) {
     const basis = new Basis(parameters, arch.lobe);
-    super(arch, basis, new Proposals(proposal, arch.lobe));
+    super(arch, basis, proposal);
     this.fingerprint = fingerprint;
-    [this.arch, this.layerer] = [arch, layerer];
+    this.layerer = layerer;
     this.energy = new EnergyLimit(basis, arch.lobe);
   }
 
   /** The codes (3, L) of a bottom without coats. */
   encode(bottom: Bottom): Float32Array {
-    return bottom.kind === "codes" ? this.checked(bottom.latents) : this.encodeSurface(bottom);
-  }
-
-  /** A surface is its lobe alone; a Lambertian one has none, and an even rest. */
-  private encodeSurface(surface: Surface): Float32Array {
+    if (bottom.kind === "codes") return this.checked(bottom.latents);
+    // A surface is its lobe alone; a Lambertian one has none, and an even rest.
     const codes = [0, 1, 2].map((channel) => {
-      const lobe = lobeOfSurface(surface, channel, this.widths);
-      const albedo = surface.kind === "diffuse" ? ofChannel(surface.reflectance, channel) : 0;
+      const lobe = lobeOfSurface(bottom, channel, this.widths);
+      const albedo = bottom.kind === "diffuse" ? ofChannel(bottom.reflectance, channel) : 0;
       return this.basis.withEven(lobe, Math.min(albedo, MOST_ALBEDO) / Math.PI);
     });
     return joined(codes);

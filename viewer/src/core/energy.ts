@@ -59,7 +59,7 @@ export class EnergyLimit {
     this.rows = rules.flatMap(({ weights }, row) => weights.map(() => row));
     const wi = this.rows.flatMap((row) => Object.values(this.directions[row]));
     const wo = rules.flatMap((rule) => rule.wo);
-    this.nodes = basis.at(Pairs.of(wi, wo, widths));
+    this.nodes = basis.at(new Pairs(wi, wo, widths));
   }
 
   /** The directional albedos of a code without its lobe. */

@@ -7,7 +7,7 @@ import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
 import { QUADRATURE } from "./formulas";
 import { lobeValue, passedBothWays } from "./lobe";
-import { mixtureDensity, type Proposals, sampleMixture } from "./mixture";
+import { mixtureDensity, type ProposalWeights, proposalOf, sampleMixture } from "./mixture";
 import { directionRule } from "./quadrature";
 import { type Point, sequencePoint } from "./sequence";
 import type { Architecture } from "./weights";
@@ -23,12 +23,12 @@ export class Evaluation {
   readonly widths: Widths;
 
   constructor(
-    { latent, widths }: Architecture,
+    protected readonly arch: Architecture,
     protected readonly basis: Basis,
-    private readonly proposer: Proposals,
+    private readonly proposal: ProposalWeights,
   ) {
-    this.latentSize = latent;
-    this.widths = widths;
+    this.latentSize = arch.latent;
+    this.widths = arch.widths;
   }
 
   /** The texels of the basis that shader code reads, four numbers each. */
@@ -43,7 +43,7 @@ export class Evaluation {
 
   /** The BRDF [1/sr], without cosine: (N, 3) for directions (N, 3). */
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
-    const pairs = Pairs.of(wi, wo, this.widths);
+    const pairs = new Pairs(wi, wo, this.widths);
     const values = this.values(material, pairs);
     for (let i = 0; i < pairs.count; i++) {
       if (!(wi[3 * i + 2] > 0 && wo[3 * i + 2] > 0)) {
@@ -57,16 +57,12 @@ export class Evaluation {
   albedo(material: Material, cosines: Float32Array): Float32Array {
     const result = new Float32Array(CHANNELS * cosines.length);
     cosines.forEach((cosine, row) => {
-      if (!(cosine > 0)) {
-        return;
-      }
+      if (!(cosine > 0)) return;
       const sine = Math.sqrt(Math.max(1 - cosine * cosine, 0));
       const wi = { x: sine, y: 0, z: cosine };
       const { wo, weights } = directionRule(wi, 1, sizes(this.widths));
-      const pairs = new Pairs(weights.length, this.widths);
-      weights.forEach((_, i) => {
-        pairs.set(i, sine, 0, cosine, wo[3 * i], wo[3 * i + 1], wo[3 * i + 2]);
-      });
+      const own = weights.flatMap(() => [sine, 0, cosine]);
+      const pairs = new Pairs(own, wo, this.widths);
       const values = this.values(material, pairs);
       for (let channel = 0; channel < CHANNELS; channel++) {
         let sum = 0;
@@ -93,34 +89,30 @@ export class Evaluation {
     { azimuths, cosines, samples, shift }: DirectionSizes & { shift: Point },
   ): Float32Array {
     const result = new Float32Array(azimuths * cosines * samples * 8);
-    const proposal = this.proposer.proposals(this.meanCode(material));
+    const proposal = proposalOf(this.proposal, this.arch.lobe, this.meanCode(material));
     const uniform = Array.from({ length: samples }, (_, i) =>
       sequencePoint(i + 1, [0.5 + shift[0], 0.5 + shift[1], 0.5 + shift[2]]),
     );
-    const pairs = new Pairs(samples, this.widths);
-    const densities = new Float64Array(samples);
     for (let row = 0; row < azimuths * cosines; row++) {
       const cosine = ((row % cosines) + 0.5) / cosines;
       const sine = Math.sqrt(1 - cosine * cosine);
       const azimuth = (0.5 * Math.PI * Math.floor(row / cosines)) / Math.max(azimuths - 1, 1);
       const wi = { x: sine * Math.cos(azimuth), y: sine * Math.sin(azimuth), z: cosine };
       const mixture = proposal(wi);
-      for (let i = 0; i < samples; i++) {
-        const wo = sampleMixture(mixture, wi, ...uniform[i]);
-        pairs.set(i, wi.x, wi.y, wi.z, wo.x, wo.y, wo.z);
-        densities[i] = mixtureDensity(mixture, wi, wo);
-        result.set([wo.x, wo.y, wo.z], (row * samples + i) * 8);
-      }
+      const drawn = uniform.map((point) => sampleMixture(mixture, wi, ...point));
+      const own = drawn.flatMap(() => [wi.x, wi.y, wi.z]);
+      const pairs = new Pairs(
+        own,
+        drawn.flatMap(({ x, y, z }) => [x, y, z]),
+        this.widths,
+      );
       const values = this.values(material, pairs);
-      for (let i = 0; i < samples; i++) {
-        const at = (row * samples + i) * 8;
-        const density = densities[i];
-        const factor = density > 0 ? result[at + 2] / density : 0;
-        for (let channel = 0; channel < CHANNELS; channel++) {
-          result[at + 3 + channel] = values[CHANNELS * i + channel] * factor;
-        }
-        result[at + 6] = density;
-      }
+      drawn.forEach((wo, i) => {
+        const density = mixtureDensity(mixture, wi, wo);
+        const factor = density > 0 ? wo.z / density : 0;
+        const weights = values.subarray(CHANNELS * i, CHANNELS * (i + 1)).map((f) => f * factor);
+        result.set([wo.x, wo.y, wo.z, ...weights, density], (row * samples + i) * 8);
+      });
     }
     return result;
   }

@@ -2,13 +2,7 @@
 
 import { CHANNELS } from "./channels";
 import { Pairs, type Widths } from "./features";
-import {
-  nodeDirections,
-  STRETCHED,
-  stretchedCoordinates,
-  TABLE,
-  tableCoordinates,
-} from "./formulas";
+import { nodeDirections, STRETCHED, stretchedCoordinates, TABLE } from "./formulas";
 
 /** A material's table, by which f is evaluated. */
 export interface FTable {
@@ -50,7 +44,7 @@ export function nodePairs(): Pairs {
       target.set([x / size, y / size, z / size], 3 * i);
     }
   }
-  return Pairs.of(wi, wo);
+  return new Pairs(wi, wo);
 }
 
 /** A logarithm within the range of tables. */
@@ -67,7 +61,7 @@ export class Cell {
   /** Coordinates, and the factors behind them. */
   private readonly place = new Float64Array(3 + STRETCHED.FACTORS);
 
-  constructor(private readonly widths: Widths) {
+  constructor(widths: Widths) {
     this.factors = new Float64Array(widths === 1 ? 1 : TERMS).fill(1);
   }
 
@@ -75,14 +69,8 @@ export class Cell {
   set({ directions: w }: Pairs, i: number, stretch2 = 1): void {
     const { place, nodes, shares, factors } = this;
     const k = 6 * i;
-    if (this.widths === 1)
-      tableCoordinates(w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5], place, 0);
-    else
-      stretchedCoordinates(
-        ...([stretch2, w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5]] as const),
-        place,
-        0,
-      );
+    const pair = [w[k], w[k + 1], w[k + 2], w[k + 3], w[k + 4], w[k + 5]] as const;
+    stretchedCoordinates(stretch2, ...pair, place, 0); // those of one width are not stretched
     for (let term = 1; term < factors.length; term++) factors[term] = place[2 + term];
     nodes[0] = 0;
     shares[0] = 1;

@@ -169,20 +169,7 @@ export function multipleAlbedo(fresnelMean: number, seenMean: number): number {
     return fresnelMean * fresnelMean * seenMean / (1 - fresnelMean * (1 - seenMean));
 }
 
-/** Coordinates of a pair of directions in a table of f. */
-export function tableCoordinates(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
-    woZ: number, out: Float64Array, at: number): void {
-    const z2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
-    const squared = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY) + z2;
-    const cosD = Math.min(0.5 * Math.sqrt(squared), 1);
-    const across = (wiX + woX) * (wiX + woX) + (wiY + woY) * (wiY + woY);
-    out[at] = (Math.log(across / z2 + 1e-05) - (-11.512925464970229)) * 0.05428681023790647;
-    out[1 + at] = Math.sqrt(1 - cosD);
-    out[2 + at] = 1 - Math.sqrt(1 - Math.min(0.5 * Math.abs(wiZ - woZ) / Math.max(Math.min(0.5 *
-        (wiZ + woZ), Math.sqrt(across / squared * ((1 - cosD) * (1 + cosD)))), 1e-09), 1));
-}
-
-/** Coordinates in a table of f of two widths by s^2, and factors of the azimuth. */
+/** Coordinates in a table of f by the stretch s^2, and factors of the azimuth. */
 export function stretchedCoordinates(stretch2: number, wiX: number, wiY: number, wiZ: number, woX:
     number, woY: number, woZ: number, out: Float64Array, at: number): void {
     const stretchedZ2 = Math.max((wiZ + woZ) * (wiZ + woZ), 1e-18);
@@ -213,46 +200,7 @@ export function stretchedCoordinates(stretch2: number, wiX: number, wiY: number,
 }
 
 /** The layerer's inputs of a coat. */
-export function coatFeatures(alpha: number, eta: number, albedo: number, sigmaT: number, g: number,
-    out: Float64Array, at: number): void {
-    const s = (eta - 1) / (eta + 1);
-    const s2 = s * s;
-    const m = 1 - Math.exp(-1 * sigmaT);
-    out[at] = (Math.log(alpha) - (-1.45)) * 0.7692307692307692;
-    out[1 + at] = (alpha - 0.4) * 3.3333333333333335;
-    out[2 + at] = (eta - 1.4) * 2.5;
-    out[3 + at] = (s - 0.13) * 5.88235294117647;
-    out[4 + at] = (s2 - 0.047) * 25;
-    out[5 + at] = (Math.log(s2 + 0.0001) - (-4)) * 0.625;
-    out[6 + at] = (Math.max(1 - eta * eta, 0) - 0.08) * 5;
-    out[7 + at] = (m - 0.75) * 3.0303030303030303;
-    out[8 + at] = (Math.exp(-4 * sigmaT) - 0.14) * 3.0303030303030303;
-    out[9 + at] = (Math.log1p(sigmaT) - 1.2) * 1.4925373134328357;
-    out[10 + at] = (m * albedo - 0.5) * 3.0303030303030303;
-    out[11 + at] = (m * Math.sqrt(1 - albedo) - 0.37) * 3.4482758620689657;
-    out[12 + at] = m * g * 3.4482758620689657;
-    out[13 + at] = (m * g * g - 0.09) * 5.88235294117647;
-    out[14 + at] = m * albedo * g * 4.761904761904762;
-    out[15 + at] = (Math.log1p(sigmaT * albedo) - 0.9) * 1.5873015873015872;
-    out[16 + at] = (Math.log1p(sigmaT * (1 - albedo)) - 0.52) * 1.8518518518518516;
-    out[17 + at] = (Math.log1p(sigmaT * (1 - albedo * g)) - 1.15) * 1.4492753623188408;
-}
-
-/** The networks' inputs of a lobe, by its reflectances at `LOBE.COSINES`. */
-export function lobeFeatures(alpha: number, first: number, second: number, third: number, out:
-    Float64Array, at: number): void {
-    const meanFresnel = (first + second + third) * 0.3333333333333333;
-    const seen = meanFresnel / (meanFresnel + 0.01);
-    out[at] = (seen * Math.log(alpha) - (-0.9)) * 0.9090909090909091;
-    out[1 + at] = (seen * alpha - 0.22) * 3.3333333333333335;
-    out[2 + at] = (first - 0.45) * 2.5;
-    out[3 + at] = (second - 0.47) * 2.5;
-    out[4 + at] = (third - 0.55) * 2.857142857142857;
-    out[5 + at] = (Math.log(meanFresnel + 0.01) - (-1.5)) * 0.6666666666666666;
-}
-
-/** The layerer's inputs of a coat. */
-export function coatFeatures2(alphaU: number, alphaV: number, eta: number, albedo: number, sigmaT:
+export function coatFeatures(alphaU: number, alphaV: number, eta: number, albedo: number, sigmaT:
     number, g: number, out: Float64Array, at: number): void {
     const s = (eta - 1) / (eta + 1);
     const s2 = s * s;
@@ -280,7 +228,7 @@ export function coatFeatures2(alphaU: number, alphaV: number, eta: number, albed
 }
 
 /** The networks' inputs of a lobe, by its reflectances at `LOBE.COSINES`. */
-export function lobeFeatures2(alphaU: number, alphaV: number, first: number, second: number, third:
+export function lobeFeatures(alphaU: number, alphaV: number, first: number, second: number, third:
     number, out: Float64Array, at: number): void {
     const meanFresnel = (first + second + third) * 0.3333333333333333;
     const seen = meanFresnel / (meanFresnel + 0.01);
@@ -302,31 +250,12 @@ export function proposalWeights(terms: ArrayLike<number>, overlaps: ArrayLike<nu
     const width2 = width * width;
     const logWidth = Math.log(width);
     const toFacet = raised + 0.5 * width * (1 - raised);
-    const away = 1 - toFacet;
-    const away2 = away * away;
-    const fifth = away2 * away2 * away;
-    const cos2 = toFacet * toFacet;
-    const sin2 = 1 - cos2;
-    const difference = (numbers[4] - 1) * (numbers[4] + 1) - numbers[5] * numbers[5] + cos2;
-    const size = Math.sqrt(difference * difference + 4 * (numbers[4] * numbers[4]) * (numbers[5] *
-        numbers[5]));
-    const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
-    const imaginary2 = 0.5 * Math.max(size - difference, 0);
-    const less = root - toFacet;
-    const more = root + toFacet;
-    const across = (less * less + imaginary2) / (more * more + imaginary2);
-    const product = root * toFacet;
-    const far = imaginary2 * cos2 + 1e-12;
-    const third = product - sin2;
-    const fourth = product + sin2;
-    const parallel = (third * third + far) / (fourth * fourth + far);
-    const fresnel = numbers[1] * (1 - fifth) + numbers[2] * fifth + numbers[3] * (0.5 * across * (1
-        + parallel));
     const away0 = (logWidth - (-0.629)) * 2.4937655860349124;
     const spread0 = Math.exp(1.305 - away0 * away0);
     const away1 = (logWidth - (-0.28)) * 2.6246719160104988;
     const spread1 = Math.exp(1.762 - away1 * away1);
-    const top = fresnel * (1 - 0.4 * width2) / ((1 + width2) * (1 + spread0 + spread1));
+    const top = (schlick(numbers[1], numbers[2], toFacet) + numbers[3] * fresnel(toFacet,
+        numbers[4], numbers[5])) * (1 - 0.4 * width2) / ((1 + width2) * (1 + spread0 + spread1));
     const logCosine = Math.log(Math.max(cosine, 0.005));
     const energy0 = passed * Math.exp(Math.min(terms[0] + terms[4] * logCosine,
         1.3862943611198906));
@@ -426,7 +355,7 @@ export function visibleNormal(alphaU: number, alphaV: number, wiX: number, wiY: 
     return { x: facetX, y: facetY, z: facetZ };
 }
 
-/** Density [1/sr] of `sampleReflection`, its mirrored part included. */
+/** Density [1/sr] of light mirrored by visible normals, and then up. */
 export function reflectionPdf(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ: number,
     woX: number, woY: number, woZ: number): number {
     const halfX = wiX + woX;
@@ -446,26 +375,4 @@ export function reflectionPdf(alphaU: number, alphaV: number, wiX: number, wiY: 
         alphaV) * (alphaU * (wiX * wiX) - alphaV * (wiY * wiY)));
     return (ratioUp * ratioUp + (down > 0 ? ratioDown * ratioDown : 0)) * (alpha2 /
         6.283185307179586) / below;
-}
-
-/** Reflect wi about a visible normal and mirror it up (Dupuy and Benyoub 2023). */
-export function sampleReflection(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ:
-    number, u1: number, u2: number): Vector {
-    const wideX = alphaU * wiX;
-    const wideY = alphaV * wiY;
-    const wideZ = wiZ;
-    const wideSize = Math.sqrt(wideX * wideX + wideY * wideY + wideZ * wideZ);
-    const capX = wideX / wideSize;
-    const capY = wideY / wideSize;
-    const capZ = wideZ / wideSize;
-    const height = (1 - u2) * (1 + capZ) - capZ;
-    const phi = 6.283185307179586 * u1;
-    const radius = Math.sqrt(Math.max(1 - height * height, 0));
-    const facetX = alphaU * (radius * Math.cos(phi) + capX);
-    const facetY = alphaV * (radius * Math.sin(phi) + capY);
-    const facetZ = height + capZ;
-    const twiceCosine = 2 * (wiX * facetX + wiY * facetY + wiZ * facetZ) / Math.max(facetX * facetX
-        + facetY * facetY + facetZ * facetZ, 1e-18);
-    return { x: twiceCosine * facetX - wiX, y: twiceCosine * facetY - wiY, z: Math.abs(twiceCosine *
-        facetZ - wiZ) };
 }

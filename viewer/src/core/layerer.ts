@@ -6,8 +6,8 @@
  */
 
 import type { CoatOfChannel } from "./features";
-import { CHECKS, coatFeatures, coatFeatures2, FEATURES, LAYER, LAYERER, LOBE } from "./formulas";
-import { lobeFeatures } from "./lobe";
+import { CHECKS, coatFeatures, FEATURES, LAYER, LAYERER, LOBE, lobeFeatures } from "./formulas";
+import { reflectance, widthsOfLobe } from "./lobe";
 import type { Network } from "./network";
 import type { Architecture } from "./weights";
 
@@ -19,18 +19,21 @@ export function layered(
   { alpha, alphaV, eta, albedo, sigmaT, g }: CoatOfChannel,
 ): Float32Array {
   const ofLobe = LOBE.LOBE_FEATURES[widths];
-  const input = new Float64Array(rest + ofLobe + FEATURES.COAT_FEATURES[widths]);
+  const input = new Float64Array(rest + ofLobe + FEATURES.COAT_FEATURES[2]);
   const code = bottom.slice();
   // What is fainter is no rest: its other numbers are those of rounding errors.
   if (code[lobe] <= LAYERER.LEAST_GAIN) code.fill(0, lobe).fill(LAYERER.LEAST_GAIN, lobe, lobe + 1);
   input.set(code.subarray(lobe));
-  lobeFeatures(bottom, input, rest, widths);
-  if (widths === 1) coatFeatures(alpha, eta, albedo, sigmaT, g, input, rest + ofLobe);
-  else coatFeatures2(alpha, alphaV, eta, albedo, sigmaT, g, input, rest + ofLobe);
+  // Networks of one width have the first features of those of two: the other ones are written over.
+  const [a, b, c] = LOBE.COSINES.map((cosine) => reflectance(bottom, cosine));
+  lobeFeatures(...widthsOfLobe(bottom, widths), a, b, c, input, rest);
+  coatFeatures(alpha, alphaV, eta, albedo, sigmaT, g, input, rest + ofLobe);
   code.set([alpha, 0, 0, 1, eta, 0, ...(widths === 2 ? [alphaV] : [])]);
-  network.evaluate(input).forEach((change, k) => {
-    code[lobe + k] += change;
-  });
+  network
+    .evaluate(input.subarray(0, rest + ofLobe + FEATURES.COAT_FEATURES[widths]))
+    .forEach((change, k) => {
+      code[lobe + k] += change;
+    });
   return code;
 }
 

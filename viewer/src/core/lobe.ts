@@ -1,16 +1,7 @@
 /** The analytic lobe of a code, whose numbers `LOBE.NUMBERS` names; see Python's `nets.lobe`. */
 
 import type { Pairs, Widths } from "./features";
-import {
-  fresnel,
-  LOBE,
-  lobeFeatures as lobeColumns,
-  lobeFeatures2 as lobeColumns2,
-  lobeShape,
-  schlick,
-  transmittance,
-  type Vector,
-} from "./formulas";
+import { fresnel, LOBE, lobeShape, schlick, transmittance, type Vector } from "./formulas";
 
 /** The numbers of a surface without a lobe. */
 export function noLobe(widths: Widths): readonly number[] {
@@ -59,17 +50,4 @@ export function passedBothWays(
     passed(code, widths, { x: w[k], y: w[k + 1], z: w[k + 2] }),
   );
   return first * second;
-}
-
-/** Put the features of a code's lobe into `out` at a place. */
-export function lobeFeatures(
-  code: Float32Array,
-  out: Float64Array,
-  place: number,
-  widths: Widths,
-): void {
-  const [a, b, c] = LOBE.COSINES.map((cosine) => reflectance(code, cosine));
-  const [u, v] = widthsOfLobe(code, widths);
-  if (widths === 1) lobeColumns(u, a, b, c, out, place);
-  else lobeColumns2(u, v, a, b, c, out, place);
 }

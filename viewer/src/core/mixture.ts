@@ -9,8 +9,8 @@ import {
   PROPOSAL,
   proposalWeights,
   reflectionPdf,
-  sampleReflection,
   type Vector,
+  visibleNormal,
 } from "./formulas";
 import { passed } from "./lobe";
 
@@ -29,40 +29,31 @@ export interface ProposalWeights {
   readonly overlap: Float64Array;
 }
 
-/** Proposals of codes for directions wi. */
-export class Proposals {
-  /** @param lobe numbers of a code's lobe. */
-  constructor(
-    private readonly parameters: ProposalWeights,
-    private readonly lobe: number,
-  ) {}
-
-  proposals(code: Float32Array): (wi: Vector) => Mixture {
-    const { weight, bias, overlap } = this.parameters;
-    const terms = bias.map((start, term) => {
-      const rest = code.subarray(this.lobe);
-      return rest.reduce(
-        (sum, number, k) => sum + number * weight[k * PROPOSAL.TERMS + term],
-        start,
-      );
-    });
-    const across = LOBE.NUMBERS[1].length;
-    const isIsotropic = this.lobe === across;
-    const numbers = Float64Array.of(...code.subarray(0, across), code[isIsotropic ? 0 : across]);
-    const most = isIsotropic ? 0 : PROPOSAL.LARGEST_STRETCH;
-    const stretch = Math.exp(Math.min(Math.max(code[code.length - 1], -most), most));
-    const alphas = Float64Array.of(code[0], ...PROPOSAL.ALPHAS.map((alpha) => alpha / stretch));
-    const alphasV = Float64Array.of(
-      numbers[across],
-      ...PROPOSAL.ALPHAS.map((alpha) => alpha * stretch),
-    );
-    const widths: Widths = isIsotropic ? 1 : 2;
-    return (wi) => {
-      const weights = new Float64Array(alphas.length + 1);
-      proposalWeights(terms, overlap, numbers, wi.z, passed(code, widths, wi), weights, 0);
-      return { weights, alphas, alphasV };
-    };
-  }
+/** The proposal of a code, which begins with `lobe` numbers, for directions wi. */
+export function proposalOf(
+  { weight, bias, overlap }: ProposalWeights,
+  lobe: number,
+  code: Float32Array,
+): (wi: Vector) => Mixture {
+  const rest = code.subarray(lobe);
+  const terms = bias.map((start, term) =>
+    rest.reduce((sum, number, k) => sum + number * weight[k * PROPOSAL.TERMS + term], start),
+  );
+  const across = LOBE.NUMBERS[1].length;
+  const widths: Widths = lobe === across ? 1 : 2;
+  const numbers = Float64Array.of(...code.subarray(0, across), code[widths === 1 ? 0 : across]);
+  const most = widths === 1 ? 0 : PROPOSAL.LARGEST_STRETCH;
+  const stretch = Math.exp(Math.min(Math.max(code[code.length - 1], -most), most));
+  const alphas = Float64Array.of(code[0], ...PROPOSAL.ALPHAS.map((alpha) => alpha / stretch));
+  const alphasV = Float64Array.of(
+    numbers[across],
+    ...PROPOSAL.ALPHAS.map((alpha) => alpha * stretch),
+  );
+  return (wi) => {
+    const weights = new Float64Array(alphas.length + 1);
+    proposalWeights(terms, overlap, numbers, wi.z, passed(code, widths, wi), weights, 0);
+    return { weights, alphas, alphasV };
+  };
 }
 
 /** The density [1/sr] of `sampleMixture` at wo; 0 below the horizon. */
@@ -98,5 +89,8 @@ export function sampleMixture(
     const [radius, phi] = [Math.sqrt(u1), 2 * Math.PI * u2];
     return { x: radius * Math.cos(phi), y: radius * Math.sin(phi), z: Math.sqrt(1 - u1) };
   }
-  return sampleReflection(alphas[chosen], alphasV[chosen], wi.x, wi.y, wi.z, u1, u2);
+  // Mirrored by a visible facet, and then up (Dupuy and Benyoub 2023)
+  const { x, y, z } = visibleNormal(alphas[chosen], alphasV[chosen], wi.x, wi.y, wi.z, u1, u2);
+  const twice = (2 * (wi.x * x + wi.y * y + wi.z * z)) / Math.max(x * x + y * y + z * z, 1e-18);
+  return { x: twice * x - wi.x, y: twice * y - wi.y, z: Math.abs(twice * z - wi.z) };
 }

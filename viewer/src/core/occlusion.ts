@@ -1,5 +1,7 @@
 /** Ambient occlusion and bent normals of a mesh, and its shadows, by depth maps along many axes. */
 
+import { cross, type Vector } from "../picture/vectors";
+
 /** Texels along a side of a depth map. */
 const SIDE = 192;
 
@@ -90,8 +92,6 @@ export function occlusion(
   return { openings, shadows };
 }
 
-type Vector = readonly [number, number, number];
-
 /** Depths along an axis, the nearest from both of its ends. */
 class DepthMap {
   private readonly highest = new Float32Array(SIDE * SIDE);
@@ -124,12 +124,7 @@ class DepthMap {
   /** Draw all faces along an axis; `right` is perpendicular to it. */
   draw(axis: Vector, right: Vector, faces: Uint32Array): void {
     const { vertices, stride, places, scale, centre } = this;
-    const up: Vector = [
-      axis[1] * right[2] - axis[2] * right[1],
-      axis[2] * right[0] - axis[0] * right[2],
-      axis[0] * right[1] - axis[1] * right[0],
-    ];
-    [right, up, axis].forEach(([a, b, c], k) => {
+    [right, cross(axis, right), axis].forEach(([a, b, c], k) => {
       const middle = (a * centre[0] + b * centre[1] + c * centre[2]) * scale - SIDE / 2;
       this.fromGround[k] = [a * scale, b * scale, -middle];
       for (let i = 0; i < this.count; i++) {

@@ -2,14 +2,8 @@
 
 import type { Vector } from "./formulas";
 
-/** Nodes and weights of a one-dimensional rule. */
-export interface Rule {
-  readonly nodes: Float64Array;
-  readonly weights: Float64Array;
-}
-
-/** Gauss and Legendre's rule on [-1, 1], by Newton's method. */
-export function gaussLegendre(count: number): Rule {
+/** Nodes and weights of Gauss and Legendre's rule on [-1, 1], by Newton's method. */
+export function gaussLegendre(count: number) {
   const [nodes, weights] = [new Float64Array(count), new Float64Array(count)];
   nodes.forEach((_, i) => {
     let x = Math.cos((Math.PI * (i + 0.75)) / (count + 0.5));
@@ -26,12 +20,6 @@ export function gaussLegendre(count: number): Rule {
   return { nodes, weights };
 }
 
-/** Directions (M, 3) above the horizon, and weights (M) of f, the cosine included. */
-export interface DirectionRule {
-  readonly wo: readonly number[];
-  readonly weights: readonly number[];
-}
-
 /**
  * Numbers of nodes of the slope of the half vector and of the azimuth, for a quadrant; how strongly
  * these crowd at its ends, and the least slope.
@@ -39,7 +27,8 @@ export interface DirectionRule {
 export type RuleSize = readonly [slopes: number, azimuths: number, crowding: number, least: number];
 
 /**
- * The rule of f cos_o for the direction wi.
+ * The rule of f cos_o for the direction wi: directions wo (M, 3) above the horizon, and weights (M)
+ * of f, the cosine included.
  *
  * The variables are ln tan theta_h, up to the horizon, and the azimuth of the half vector; see
  * Python's `core.quadrature`.
@@ -50,7 +39,7 @@ export function directionRule(
   wi: Vector,
   sides: 1 | 2,
   [slopes, azimuths, crowding, least]: RuleSize,
-): DirectionRule {
+) {
   const [turns, steps] = [gaussLegendre(azimuths), gaussLegendre(slopes)];
   const start = Math.log(least);
   const [wo, weights]: [number[], number[]] = [[], []];

@@ -85,15 +85,8 @@ function readBasis(
   const bounds = [1 + count];
   for (const size of Array.isArray(azimuthal) ? azimuthal.map(Number).reverse() : [])
     bounds.unshift(bounds[0] - size);
-  const rows = (tensors.shapeOf("basis.bytes").length > 0 ? unpackedRows : gridRows)(
-    tensors,
-    count,
-  );
-  return {
-    widths,
-    rows,
-    bounds: [0, ...bounds],
-  };
+  const rowsOf = tensors.shapeOf("basis.bytes").length > 0 ? unpackedRows : gridRows;
+  return { widths, rows: rowsOf(tensors, count), bounds: [0, ...bounds] };
 }
 
 /** The rows (nodes, 1 + K): numbers of sixteen bits, by the lowest values and the steps of columns. */

@@ -35,12 +35,12 @@ async function openFile(file: File): Promise<void> {
   const suffix = file.name.toLowerCase().split(".").pop();
   if (suffix === "hdr" || suffix === "exr") {
     const own = await asTask("Reading the panorama", (end) =>
-      byOwnWorker((files) => files.call("readPanorama", [bytes, suffix], [bytes.buffer]), end),
+      byOwnWorker("readPanorama", [bytes, suffix], [bytes.buffer], end),
     );
     useEnvironment(file.name, { file, ...own });
   } else if (MESHES.includes(suffix!)) {
     const mesh = await asTask("Reading the mesh", (end) =>
-      byOwnWorker((files) => files.call("readMesh", [bytes, suffix!], [bytes.buffer]), end),
+      byOwnWorker("readMesh", [bytes, suffix!], [bytes.buffer], end),
     );
     useMesh(file.name, mesh);
   } else if (suffix === "json") {
@@ -48,7 +48,10 @@ async function openFile(file: File): Promise<void> {
   } else if (suffix === "safetensors") {
     const cores = session.value?.cores;
     if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
-    showOpened({ name: stem(file), ...(await materialOf(cores, bytes)), coats: [], solo: null });
+    const name = file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
+    const material = { name, ...(await materialOf(cores, bytes)), coats: [], solo: null };
+    opened.value = [material, ...opened.value.filter((other) => other.name !== name)];
+    changeMaterial(material);
   } else if (suffix === "binary" || suffix === "bsdf") {
     throw new Refusal(`Python encodes measured BRDFs: run urushi view ${file.name}.`);
   } else if (suffix === "mtlx") {
@@ -60,16 +63,6 @@ async function openFile(file: File): Promise<void> {
       "The page opens materials (.safetensors), panoramas (.hdr, .exr), meshes (.obj, .glb, .gltf, .ply) and saved states (.json).",
     );
   }
-}
-
-/** Show a material of a file. */
-function showOpened(material: MaterialCards): void {
-  opened.value = [material, ...opened.value.filter(({ name }) => name !== material.name)];
-  changeMaterial(material);
-}
-
-function stem(file: File): string {
-  return file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
 }
 
 async function bytesOf(file: File): Promise<Uint8Array<ArrayBuffer>> {

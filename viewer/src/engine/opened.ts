@@ -101,15 +101,14 @@ export function logsOfBytes(bytes: Uint8Array<ArrayBuffer>): Float32Array {
 
 /** Show a mesh. */
 export function useMesh(name: string, own: Mesh): void {
-  change({ ...state.peek(), object: "own", mesh: meshes.keep(name, own) });
+  change({ object: "own", mesh: meshes.keep(name, own) });
 }
 
 /** Light the object by a panorama. */
 export function useEnvironment(name: string, own: OwnEnvironment): void {
   panoramas.keep(name, own);
   const { environment, panorama } = state.peek();
-  if (environment !== "own" || panorama !== name)
-    change({ ...state.peek(), environment: "own", panorama: name });
+  if (environment !== "own" || panorama !== name) change({ environment: "own", panorama: name });
 }
 
 /** The page's own meshes so far, which keep their occlusion. */
@@ -136,9 +135,8 @@ const occlusions = new WeakMap<Mesh, Promise<Occlusion>>();
 export function occlusionOf(mesh: Mesh): Promise<Occlusion> {
   let known = occlusions.get(mesh);
   if (known === undefined) {
-    known = byOwnWorker((files) =>
-      files.call("occlusion", [mesh.vertices, VERTEX_NUMBERS, mesh.faces, groundSize(mesh)]),
-    );
+    const { vertices, faces } = mesh;
+    known = byOwnWorker("occlusion", [vertices, VERTEX_NUMBERS, faces, groundSize(mesh)]);
     occlusions.set(mesh, known);
   }
   return known;

@@ -27,14 +27,11 @@ const MOST_RATIO = 10;
 export class Cores {
   private second: Promise<PageCore> | null = null;
 
-  constructor(
-    readonly isotropic: PageCore,
-    private readonly start: () => Promise<PageCore> = () => connect(ANISOTROPIC_WEIGHTS),
-  ) {}
+  constructor(readonly isotropic: PageCore) {}
 
   /** @throws Refusal if it cannot be loaded. */
   anisotropic(): Promise<PageCore> {
-    this.second ??= this.start().catch((error) => {
+    this.second ??= connect(ANISOTROPIC_WEIGHTS).catch((error) => {
       this.second = null; // another try may succeed
       throw error;
     });
@@ -42,14 +39,18 @@ export class Cores {
   }
 
   /**
-   * The core of a stack.
+   * What is shown of a stack, which may have a table of its own, and its core.
    *
    * @throws Refusal if its codes are of isotropic networks and a coat has two widths, or widths
    *   differ too much.
    */
-  async of(stack: Stack): Promise<PageCore> {
-    if (!isAnisotropic(stack)) return this.isotropic;
-    const { bottom, coats } = stack;
+  async material({ stack, table }: { stack: Stack; table?: FTable | undefined }) {
+    const core = isAnisotropic(stack) ? await this.anisotropicFor(stack) : this.isotropic;
+    const layered = await core.layer(stack);
+    return { core, material: { ...layered, table: table ?? layered.table } };
+  }
+
+  private anisotropicFor({ bottom, coats }: Stack): Promise<PageCore> {
     if (coats.length > 0 && [bottom, ...coats].some((one) => widthRatio(one) > MOST_RATIO))
       throw new Refusal(
         `The two widths of a surface differ by more than a factor of ${MOST_RATIO}, which the networks cannot layer; give closer widths.`,
@@ -60,30 +61,26 @@ export class Cores {
       );
     return this.anisotropic();
   }
-
-  /**
-   * What is shown of a stack, which may have a table of its own, and its core.
-   *
-   * @throws Refusal as `of`.
-   */
-  async material({ stack, table }: { stack: Stack; table?: FTable | undefined }) {
-    const core = await this.of(stack);
-    const layered = await core.layer(stack);
-    return { core, material: { ...layered, table: table ?? layered.table } };
-  }
 }
 
-/** The result of a call that needs no networks, by a worker of its own, which `end` stops. */
-export async function byOwnWorker<Result>(
-  call: (files: Remote<FileCalls>) => Promise<Result>,
+/**
+ * The result of a call that needs no networks, by a worker of its own, which `end` stops.
+ *
+ * @param transfer what is given away and not copied.
+ */
+export async function byOwnWorker<Name extends keyof FileCalls>(
+  name: Name,
+  args: Parameters<FileCalls[Name]>,
+  transfer: Transferable[] = [],
   end?: AbortSignal,
-): Promise<Result> {
+): Promise<Awaited<ReturnType<FileCalls[Name]>>> {
   const { worker, broken } = await startWorker("files");
   const ended = new Promise<never>((_resolve, reject) => {
     end?.addEventListener("abort", () => reject(new Cancelled()));
   });
   try {
-    return await Promise.race([call(new Remote(worker)), broken, ended]);
+    const result = new Remote<FileCalls>(worker).call(name, args, transfer);
+    return await Promise.race([result, broken, ended]);
   } finally {
     worker.terminate();
   }

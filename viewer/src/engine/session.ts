@@ -87,16 +87,16 @@ export class Session {
       noPicture.value =
         "The graphics driver has taken the picture away; it returns as soon as the driver allows.";
     };
-    canvas.addEventListener("webglcontextlost", lost);
-    canvas.addEventListener("webglcontextrestored", this.start);
+    const end = new AbortController();
+    canvas.addEventListener("webglcontextlost", lost, { signal: end.signal });
+    canvas.addEventListener("webglcontextrestored", this.start, { signal: end.signal });
     const observer = new ResizeObserver(() => this.fit());
     observer.observe(canvas);
     this.fit();
     this.start();
     return () => {
       observer.disconnect();
-      canvas.removeEventListener("webglcontextlost", lost);
-      canvas.removeEventListener("webglcontextrestored", this.start);
+      end.abort();
     };
   }
 
@@ -204,11 +204,10 @@ export class Session {
         }
     });
 
-    let last = "";
+    const shown = computed(() => JSON.stringify(this.shot.value));
     effect(() => {
-      const text = JSON.stringify(this.shot.value);
-      if (text !== last) painter.setShot(this.shot.value);
-      last = text;
+      shown.value; // other changes of the state keep the shot
+      painter.setShot(this.shot.peek());
     });
     effect(() => {
       const mesh = this.mesh.value; // read here even while there is no renderer: it is followed

@@ -18,27 +18,25 @@ export const THUMBNAIL_SIZE = 112;
 
 /** What was drawn; null: the browser or the material has no picture. */
 const drawn = new WeakMap<MaterialCards, Promise<ImageBitmap | null>>();
-const waiting: (() => Promise<void>)[] = [];
+/** One is drawn after the other, by one renderer, which is given back at last. */
+let last: Promise<unknown> = Promise.resolve();
+let waiting = 0;
 let renderer: Renderer | null = null;
 
 /** The picture of a material on a ball; null if there is none. The same object is drawn once. */
 export function thumbnailOf(material: MaterialCards): Promise<ImageBitmap | null> {
   let picture = drawn.get(material);
   if (picture === undefined) {
-    picture = new Promise((resolve) => {
-      waiting.push(() => draw(material).then(resolve, () => resolve(null)));
-    });
+    waiting++;
+    picture = last.then(() => draw(material)).catch(() => null);
     drawn.set(material, picture);
-    if (waiting.length === 1) void drawAll();
+    last = picture.then(() => {
+      if (--waiting > 0) return;
+      renderer?.dispose();
+      renderer = null;
+    });
   }
   return picture;
-}
-
-/** Draw one after the other by one renderer, which is given back at last. */
-async function drawAll(): Promise<void> {
-  for (; waiting.length > 0; waiting.shift()) await waiting[0]();
-  renderer?.dispose();
-  renderer = null;
 }
 
 async function draw(material: MaterialCards): Promise<ImageBitmap | null> {

@@ -14,6 +14,18 @@ export type CoatInAir = Omit<Coat, "eta" | "albedo" | "sigmaT" | "g"> &
     thickness?: number;
   };
 
+/** The widths of a surface. */
+export interface Widths {
+  alpha: Channels;
+  /** Left out, or undefined, while the widths are linked. */
+  alphaV?: Channels | undefined;
+}
+
+/** The widths of a surface; `alphaV` is left out while they are linked. */
+export function widthsOf({ alpha, alphaV }: Widths): { alpha: Channels; alphaV?: Channels } {
+  return alphaV === undefined ? { alpha } : { alpha, alphaV };
+}
+
 /** One coat on the page. */
 export type CoatCard = CoatInAir & {
   /** Identifies the card while it moves; above 0. */
@@ -132,12 +144,12 @@ export function stackOf(material: MaterialCards): Stack {
   const { bottom, coats: cards } = seenOf(material);
   let above: Channels = CHECKS.AIR;
   const coats = cards.map((card): Coat => {
-    const { alpha, alphaV, ior, g, thickness = 1 } = card;
+    const { ior, g, thickness = 1 } = card;
     const eta = interfaceRatio(ior, above);
     above = ior;
     const { albedo, sigmaT } = physicsOf(card);
-    const widths = alphaV === undefined ? { alpha } : { alpha, alphaV };
-    return { ...widths, eta, albedo, sigmaT: mapped(sigmaT, (depth) => depth * thickness), g };
+    const depth = mapped(sigmaT, (own) => own * thickness);
+    return { ...widthsOf(card), eta, albedo, sigmaT: depth, g };
   });
   const under = bottomUnder(bottom, quotient(above, CHECKS.AIR));
   const shown = under.kind === "dielectric" ? interfaceOf(under) : under;
@@ -210,11 +222,6 @@ export function takesCoat({ bottom, coats }: MaterialCards): boolean {
   return bottom.kind !== "texels" && coats.length < MOST_COATS;
 }
 
-/** A number for an additional card. */
-function freeId(material: MaterialCards): number {
-  return Math.max(0, ...material.coats.map((coat) => coat.id)) + 1;
-}
-
 /** The material with a card moved to another place. */
 export function moved(material: MaterialCards, from: number, to: number): MaterialCards {
   const coats = [...material.coats];
@@ -228,9 +235,9 @@ export function moved(material: MaterialCards, from: number, to: number): Materi
 export function withCoat(material: MaterialCards): MaterialCards {
   if (!takesCoat(material)) return material;
   const { coats } = material;
-  const { ior, alpha, alphaV } = coats[0] ?? CLEAR_COAT;
-  const surface = { ior, alpha, ...(alphaV === undefined ? {} : { alphaV }) };
-  const coat = { ...CLEAR_COAT, ...surface, id: freeId(material), on: true };
+  const top = coats[0] ?? CLEAR_COAT;
+  const id = Math.max(0, ...coats.map((coat) => coat.id)) + 1;
+  const coat = { ...CLEAR_COAT, ...widthsOf(top), ior: top.ior, id, on: true };
   return { ...material, coats: [coat, ...coats] };
 }
 

@@ -34,7 +34,7 @@ export interface CodeTexture {
   usedBytes: number;
   /** Numbers of a code, of red, green and blue each. */
   numbers: readonly (readonly LinearNumber[])[];
-  /** The affine map from uv to the texture's coordinates, row by row. */
+  /** The affine map from uv to the texture's coordinates, column by column. */
   toTexture: readonly number[];
   wrap: Wrap;
   /** Whether the nearest texel is taken, without interpolation. */
@@ -104,7 +104,7 @@ export function readTexture(
     texelBytes,
     usedBytes: shared + channels * stride,
     numbers,
-    toTexture: place.to_texture.flat(),
+    toTexture: [0, 1, 2].flatMap((column) => place.to_texture.map((row) => row[column])),
     wrap: place.wrap,
     nearest: place.nearest,
   };

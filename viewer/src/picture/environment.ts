@@ -38,9 +38,7 @@ export function lightsOf(name: EnvironmentName): Light[] {
 }
 
 /** The formula of an environment; that of the studio while its panorama is missing. */
-function formulaOf(name: EnvironmentName): number {
-  return name === "own" ? 0 : FORMULAS.indexOf(name);
-}
+const formulaOf = (name: EnvironmentName) => Math.max(FORMULAS.indexOf(name), 0);
 
 /** Draws environments into a cube map. */
 export class EnvironmentMap {

@@ -45,31 +45,25 @@ type Outline = (place: number) => Point;
 /** Points at u around and v along a surface, both in [0, 1]. */
 type Surface = (u: number, v: number) => readonly [number, number, number];
 
+const SHAPES: Record<(typeof OBJECTS)[number], () => Part[]> = {
+  goblet: () => GOBLET.map((part) => turned(bezierOutline(part), 112, (part.length - 1) * 5)),
+  ball: () => [turned(ballOutline, 96, 64)],
+  caddy: () => [turned(splineOutline(NATSUME), 96, 128)],
+  plate: () => [turned(splineOutline(PLATE), 128, 96)],
+  bowl: () => [turned(splineOutline(BOWL), 128, 128)],
+  sheet: () => [pillow(96)],
+  vase: () => [turned(splineOutline(VASE), 96, 128)],
+  teapot: () => [
+    turned(bezierOutline(BODY), 96, 72),
+    turned(bezierOutline(LID), 72, 48),
+    surface(tube(HANDLE), 32, 60),
+    surface(tube(SPOUT), 32, 48),
+  ],
+};
+
 /** The mesh of an object. */
 export function meshOf(name: (typeof OBJECTS)[number]): Mesh {
-  switch (name) {
-    case "goblet":
-      return joined(GOBLET.map((part) => turned(bezierOutline(part), 112, (part.length - 1) * 5)));
-    case "ball":
-      return joined([turned(ballOutline, 96, 64)]);
-    case "caddy":
-      return joined([turned(splineOutline(NATSUME), 96, 128)]);
-    case "plate":
-      return joined([turned(splineOutline(PLATE), 128, 96)]);
-    case "bowl":
-      return joined([turned(splineOutline(BOWL), 128, 128)]);
-    case "sheet":
-      return joined([pillow(96)]);
-    case "vase":
-      return joined([turned(splineOutline(VASE), 96, 128)]);
-    case "teapot":
-      return joined([
-        turned(bezierOutline(BODY), 96, 72),
-        turned(bezierOutline(LID), 72, 48),
-        surface(tube(HANDLE), 32, 60),
-        surface(tube(SPOUT), 32, 48),
-      ]);
-  }
+  return joined(SHAPES[name]());
 }
 
 function ballOutline(place: number): Point {
@@ -96,13 +90,15 @@ function splineOutline(control: readonly Point[]): Outline {
   };
 }
 
-/** Joined cubic Bézier segments with equal shares. */
 function bezierOutline(control: readonly Point[]): Outline {
+  return (place) => weighted(...segmentAt(control, place));
+}
+
+/** Weights and control points at a place in [0, 1] of joined cubic Bézier segments of equal shares. */
+function segmentAt<T>(control: readonly T[], place: number): [weights: number[], points: T[]] {
   const segments = (control.length - 1) / 3;
-  return (place) => {
-    const first = Math.min(Math.floor(place * segments), segments - 1);
-    return weighted(bernstein(place * segments - first), control.slice(3 * first, 3 * first + 4));
-  };
+  const first = Math.min(Math.floor(place * segments), segments - 1);
+  return [bernstein(place * segments - first), control.slice(3 * first, 3 * first + 4)];
 }
 
 function bernstein(t: number): number[] {
@@ -110,29 +106,21 @@ function bernstein(t: number): number[] {
   return [s ** 3, 3 * s ** 2 * t, 3 * s * t ** 2, t ** 3];
 }
 
-function weighted(weights: number[], points: readonly Point[]): Point {
-  let radius = 0;
-  let height = 0;
-  points.forEach((point, place) => {
-    radius += weights[place] * point[0];
-    height += weights[place] * point[1];
-  });
-  return [radius, height];
+function weighted<T extends readonly number[]>(weights: number[], points: readonly T[]): T {
+  const sum = (axis: number) => points.reduce((sum, point, k) => sum + weights[k] * point[axis], 0);
+  return points[0].map((_, axis) => sum(axis)) as readonly number[] as T;
 }
 
 /** A closed tube of bicubic patches that is its own mirror image in y. */
 function tube(control: Tube): Surface {
-  const segments = (control.length - 1) / 3;
   return (u, v) => {
-    const first = Math.min(Math.floor(v * segments), segments - 1);
-    const along = bernstein(v * segments - first);
     const across = bernstein(u < 0.5 ? 2 * u : 2 - 2 * u);
-    const point = [0, 0, 0] as [number, number, number];
-    for (let i = 0; i < 4; i++)
-      for (let k = 0; k < 4; k++)
-        for (let axis = 0; axis < 3; axis++)
-          point[axis] += along[i] * across[k] * control[3 * first + i][k][axis];
-    return [point[0], u < 0.5 ? point[1] : -point[1], point[2]];
+    const [along, rows] = segmentAt(control, v);
+    const [x, y, z] = weighted(
+      along,
+      rows.map((row) => weighted(across, row)),
+    );
+    return [x, u < 0.5 ? y : -y, z];
   };
 }
 

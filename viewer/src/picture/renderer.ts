@@ -195,7 +195,7 @@ export class Renderer {
         const from = isMirrored ? mirrored(seenFrom(coarse)) : seenFrom(coarse);
         begin(targets.surface, coarse, part);
         gl.frontFace(isMirrored ? gl.CW : gl.CCW);
-        const toTexture = material.texels?.toTexture ?? [0, 0, 0, 0, 0, 0];
+        const toTexture = material.codes?.texture.toTexture ?? [0, 0, 0, 0, 0, 0];
         this.surface.use({ projection: from.projection, toTexture });
         this.drawMesh();
         gl.frontFace(gl.CCW);

@@ -2,6 +2,7 @@
 
 import type { DirectionSizes, Material } from "../core/api";
 import { CHANNELS, rows } from "../core/channels";
+import { NODES } from "../core/f_table";
 import { LOBE } from "../core/formulas";
 import { sequencePoint } from "../core/sequence";
 import type { ShownTexture } from "../engine/opened";
@@ -26,7 +27,7 @@ function lobeOf({ latents, table }: Material): Float32Array<ArrayBuffer> {
 export class ShownMaterial {
   /** What is drawn in place of the table; null: the material is the same everywhere. */
   texels: TexelProgram | null = null;
-  private codes: ShownTexture | null = null;
+  codes: ShownTexture | null = null;
   private readonly table: WebGLTexture;
   private sizes: DirectionSizes = { azimuths: 1, cosines: 1, samples: 0 };
   /** Angle by which the tangent is turned [radians]. */
@@ -39,11 +40,8 @@ export class ShownMaterial {
 
   constructor(private readonly gl: Gl) {
     this.table = gl.createTexture()!;
-    this.rest = gl.createTexture()!;
-    gl.bindTexture(gl.TEXTURE_3D, this.rest);
-    const nothing = new Float32Array([-18, -18, -18, 0]); // until f is known
-    gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGBA16F, 1, 1, 1, 0, gl.RGBA, gl.FLOAT, nothing);
-    filters(gl, gl.TEXTURE_3D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
+    const nothing = new Float32Array(4 * NODES).fill(-18); // until f is known
+    this.rest = volume(gl, gl.createTexture()!, nothing);
   }
 
   /** Whether the program for anisotropic materials draws it. */

@@ -15,8 +15,6 @@ export interface TexelProgram {
   program: Program;
   texture: WebGLTexture;
   basis: WebGLTexture;
-  /** The affine map from uv, column by column. */
-  toTexture: readonly number[];
 }
 
 /**
@@ -32,13 +30,7 @@ export function texelProgram(gl: Gl, shown: ShownTexture): TexelProgram {
     SPREAD: codes.nearest ? 0 : 1,
   });
   const texture = uploaded(gl, codes, layers);
-  const [a, b, c, d, e, f] = codes.toTexture as [number, number, number, number, number, number];
-  return {
-    program,
-    texture,
-    basis: volume(gl, gl.createTexture()!, basis),
-    toTexture: [a, d, b, e, c, f],
-  };
+  return { program, texture, basis: volume(gl, gl.createTexture()!, basis) };
 }
 
 /**

@@ -14,6 +14,7 @@ import {
   type MaterialCards,
   reflectanceOf,
   seenOf,
+  type Widths,
 } from "../material/material";
 import { Refusal } from "../refusal";
 
@@ -90,16 +91,13 @@ function describe(material: MaterialCards): Description {
       if (mean(lookOf(coat).body) > 0) lost.push(`the body of ${nameOf(coat)} and its colour`);
   }
   lost.push(...surfaces.map((coat) => `the surface of ${nameOf(coat)}`));
-  if (top !== undefined) {
-    const own = roughness(top, "the coat's roughness of each channel", lost);
+  if (top !== undefined)
     Object.assign(inputs, {
       coat_weight: 1,
       coat_color: rgb(mapped(lookOf(top).color, (share) => share ** depthOf(top))),
-      coat_roughness: own.roughness,
-      coat_roughness_anisotropy: own.anisotropy,
+      ...surfaceOf("coat", top, lost),
       coat_ior: one(top.ior, "the coat's index of each channel", lost),
     });
-  }
   if (isAnisotropic({ bottom, coats }) && (material.rotation ?? 0) !== 0)
     lost.push("the tangent's angle");
   return { inputs, lost };
@@ -115,26 +113,16 @@ function baseOf(bottom: BottomInAir, lost: string[]): Description["inputs"] {
     case "diffuse":
       return { base_color: rgb(bottom.reflectance), specular_weight: 0 };
     case "dielectric": {
-      const { roughness: rough } = roughness(
-        bottom,
-        "the bottom's roughness of each channel",
-        lost,
-      );
-      const ior = one(bottom.ior, "the bottom's index of each channel", lost);
-      return { base_weight: 0, specular_roughness: rough, specular_ior: ior };
+      const { specular_roughness } = surfaceOf("specular", bottom, lost);
+      const specular_ior = one(bottom.ior, "the bottom's index of each channel", lost);
+      return { base_weight: 0, specular_roughness: specular_roughness!, specular_ior };
     }
     case "codes":
       throw new Refusal(
         "A loaded material cannot be written as MaterialX; save the material, or its code.",
       );
   }
-  const own = roughness(bottom, "the bottom's roughness of each channel", lost);
-  return {
-    ...metalOf(bottom),
-    base_metalness: 1,
-    specular_roughness: own.roughness,
-    specular_roughness_anisotropy: own.anisotropy,
-  };
+  return { ...metalOf(bottom), base_metalness: 1, ...surfaceOf("specular", bottom, lost) };
 }
 
 /** Reflectance at normal incidence, and the share of Schlick's term that is left at the edge. */
@@ -155,14 +143,13 @@ function glossOf(
   above: Channels,
   lost: string[],
 ): Description["inputs"] {
-  const own = roughness(coat, "the bottom's roughness of each channel", lost);
+  const surface = surfaceOf("specular", coat, lost);
   const ior = one(coat.ior, "the bottom's index of each channel", lost);
   const inside = internalReflectance(ior / mean(above));
   return {
     base_color: rgb(mapped(reflectance, (rho) => ((1 - inside) * rho) / (1 - rho * inside))),
     specular_weight: 1,
-    specular_roughness: own.roughness,
-    specular_roughness_anisotropy: own.anisotropy,
+    ...surface,
     specular_ior: ior,
   };
 }
@@ -177,17 +164,21 @@ function internalReflectance(eta: number): number {
 }
 
 /** OpenPBR's roughness r and anisotropy a: widths r^2 s and r^2 s (1 - a), s^2 = 2 / (1 + (1 - a)^2). */
-function roughness(
-  { alpha, alphaV }: { alpha: Channels; alphaV?: Channels },
-  what: string,
+function surfaceOf(
+  part: "coat" | "specular",
+  { alpha, alphaV }: Widths,
   lost: string[],
-): { roughness: number; anisotropy: number } {
+): Record<string, number> {
+  const what = `the ${part === "coat" ? part : "bottom"}'s roughness of each channel`;
   const [along, across] = [one(alpha, what, lost), mean(alphaV ?? alpha)];
   if (across > along) lost.push("a width across the tangent above that along it");
   const ratio = Math.min(across / along, 1);
   const width = across > along ? Math.sqrt(along * across) : along;
   const stretch = Math.sqrt(2 / (1 + ratio * ratio));
-  return { roughness: digits(Math.sqrt(width / stretch)), anisotropy: digits(1 - ratio) };
+  return {
+    [`${part}_roughness`]: digits(Math.sqrt(width / stretch)),
+    [`${part}_roughness_anisotropy`]: digits(1 - ratio),
+  };
 }
 
 /** The mean of the channels; what: their difference, which is lost. */

@@ -49,8 +49,7 @@ export function readMaterial(value: unknown): MaterialCards {
 
 function readCoat(value: unknown, place: number): CoatCard {
   const fields = object(value, "a coat");
-  const given = <Name extends keyof typeof COAT_PARAMETERS>(...names: Name[]) =>
-    numbers(fields, COAT_PARAMETERS, names);
+  const given = numbersOf(fields, COAT_PARAMETERS);
   const medium =
     "albedo" in fields || "sigmaT" in fields
       ? given("albedo", "sigmaT")
@@ -68,8 +67,7 @@ function readCoat(value: unknown, place: number): CoatCard {
 
 function readBottom(value: unknown): BottomInAir | TexelBottom {
   const fields = object(value, "the bottom");
-  const given = <Name extends keyof typeof BOTTOM_PARAMETERS>(...names: Name[]) =>
-    numbers(fields, BOTTOM_PARAMETERS, names);
+  const given = numbersOf(fields, BOTTOM_PARAMETERS);
   const surface = () => widths(fields, BOTTOM_PARAMETERS);
   switch (fields.kind) {
     case "conductor": {
@@ -103,23 +101,14 @@ function checkSum(value: unknown, what: string): string {
 }
 
 /** The widths of a surface; one across the tangent only if it is given. */
-function widths(
-  fields: Fields,
-  { alpha }: { alpha: Parameter },
-): { alpha: Channels; alphaV?: Channels } {
-  return numbers(fields, { alpha, alphaV: alpha }, [
-    "alpha",
-    ...("alphaV" in fields ? ["alphaV" as const] : []),
-  ]);
+function widths(fields: Fields, { alpha }: { alpha: Parameter }) {
+  const given = numbersOf(fields, { alpha, alphaV: alpha });
+  return "alphaV" in fields ? given("alpha", "alphaV") : given("alpha");
 }
 
-/** Parameters by their names, each one number for all channels or three, within its range. */
-function numbers<Name extends string>(
-  fields: Fields,
-  parameters: Record<Name, Parameter>,
-  names: readonly Name[],
-): Record<Name, Channels> {
-  const one = (name: Name): Channels => {
+/** A function that reads parameters, each one number for all channels or three, within its range. */
+function numbersOf<Known extends string>(fields: Fields, parameters: Record<Known, Parameter>) {
+  const one = (name: Known): Channels => {
     const { [name]: value = parameters[name].fallback } = fields;
     const all = [value].flat();
     if (![1, 3].includes(all.length) || !all.every(Number.isFinite))
@@ -128,7 +117,8 @@ function numbers<Name extends string>(
       clamped(parameters[name], x),
     );
   };
-  return Object.fromEntries(names.map((name) => [name, one(name)])) as Record<Name, Channels>;
+  return <Name extends Known>(...names: Name[]) =>
+    Object.fromEntries(names.map((name) => [name, one(name)])) as Record<Name, Channels>;
 }
 
 function codes(value: unknown): Float32Array {

@@ -85,14 +85,3 @@ export const INITIAL: State = {
   materials: [preset("Vermilion urushi"), preset("Gilding under shellac")],
   ...readFields({}),
 };
-
-/** The material that the cards show. */
-export function activeMaterial(state: State): MaterialCards {
-  return state.materials[state.active];
-}
-
-/** The state with another material on the cards. */
-export function withMaterial(state: State, material: MaterialCards): State {
-  const [first, second] = state.materials;
-  return { ...state, materials: state.active === 0 ? [material, second] : [first, material] };
-}

@@ -3,10 +3,10 @@
 import { computed, signal } from "@preact/signals";
 import type { MaterialCards } from "../material/material";
 import { Cancelled, Refusal, Unreachable } from "../refusal";
-import { activeMaterial, INITIAL, type State, withMaterial } from "./state";
+import { INITIAL, type State } from "./state";
 
 export const state = signal<State>(INITIAL);
-export const material = computed(() => activeMaterial(state.value));
+export const material = computed(() => state.value.materials[state.value.active]);
 
 /** What went wrong, in a sentence, and what another try does if it may help. */
 export interface Notice {
@@ -76,19 +76,19 @@ export const canUndo = computed(() => past.value.length > 0);
 export const canRedo = computed(() => future.value.length > 0);
 
 /** Change the state; changes of one `kind` that follow fast are one step, unless it is "". */
-export function change(next: State, kind = ""): void {
-  if (next === state.value) return;
+export function change(next: Partial<State>, kind = ""): void {
   const time = performance.now();
   const follows = kind !== "" && kind === latest.kind && time - latest.time < PAUSE;
   latest = { kind, time };
   if (!follows) past.value = [...past.value, state.value].slice(-MOST_STEPS);
   future.value = [];
-  state.value = next;
+  look(next);
 }
 
 /** Change the material on the cards. */
 export function changeMaterial(next: MaterialCards, kind = ""): void {
-  change(withMaterial(state.value, next), kind);
+  const { materials, active } = state.value;
+  change({ materials: active === 0 ? [next, materials[1]] : [materials[0], next] }, kind);
 }
 
 /** Change what is no step of its own: where the camera stands, and the like. */

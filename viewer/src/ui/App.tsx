@@ -1,8 +1,10 @@
 /** The page. */
 
+import { Fragment } from "preact";
 import { titleOf } from "../material/presets";
 import type { State } from "../state/state";
 import { announce, announcement, change, changeMaterial, material, state } from "../state/store";
+import { Button } from "./Button";
 import { Cards } from "./Cards";
 import { Segments } from "./Choice";
 import { Explanation } from "./Help";
@@ -15,13 +17,9 @@ import { TopBar } from "./TopBar";
 export function App() {
   return (
     <>
-      <button
-        type="button"
-        class="skip"
-        onClick={() => document.getElementById("material")?.focus()}
-      >
+      <Button class="skip" onClick={() => document.getElementById("material")?.focus()}>
         Skip to the layers
-      </button>
+      </Button>
       <TopBar />
       <main>
         <Stage />
@@ -73,7 +71,7 @@ function Chooser() {
   const [first, second] = materials;
   const other = active === 0 ? "B" : "A";
   const set = (next: State["materials"], said: string) => {
-    change({ ...state.value, materials: next });
+    change({ materials: next });
     announce(said);
   };
   const copied = materials[active];
@@ -82,33 +80,25 @@ function Chooser() {
       <Segments
         name="Material on the cards"
         value={active}
-        options={([0, 1] as const).map((slot) => [slot, <Slot key={slot} slot={slot} />])}
-        onChange={(slot) => change({ ...state.value, active: slot })}
+        options={([0, 1] as const).map((slot) => [
+          slot,
+          <Fragment key={slot}>
+            <b>{"AB"[slot]}</b> {titleOf(materials[slot])}
+          </Fragment>,
+        ])}
+        onChange={(slot) => change({ active: slot })}
       />
       <div class="pair">
-        <button
-          type="button"
+        <Button
           class="quiet"
           onClick={() => set([copied, copied], `The material was copied to ${other}.`)}
         >
           Copy to {other}
-        </button>
-        <button
-          type="button"
-          class="quiet"
-          onClick={() => set([second, first], "A and B were swapped.")}
-        >
+        </Button>
+        <Button class="quiet" onClick={() => set([second, first], "A and B were swapped.")}>
           <Icon name="swap" /> Swap
-        </button>
+        </Button>
       </div>
-    </>
-  );
-}
-
-function Slot({ slot }: { slot: 0 | 1 }) {
-  return (
-    <>
-      <b>{"AB"[slot]}</b> {titleOf(state.value.materials[slot])}
     </>
   );
 }

@@ -11,15 +11,17 @@ import {
   type MaterialCards,
   reflectanceOf,
   type TexelBottom,
+  type Widths,
+  widthsOf,
 } from "../material/material";
 import { BOTTOM_PARAMETERS, type Parameter } from "../material/parameters";
 import { METALS } from "../material/presets";
-import { changeMaterial } from "../state/store";
+import { changeMaterial, material } from "../state/store";
+import { Button, IconButton } from "./Button";
 import { Choice } from "./Choice";
 import { Field } from "./Field";
-import { IconButton } from "./IconButton";
 import { Thumbnail } from "./Thumbnail";
-import { GlossField, WidthFields, type WidthPair, withWidths } from "./WidthFields";
+import { GlossField, WidthFields, withWidths } from "./WidthFields";
 
 const KINDS = {
   metal: "Metal by index",
@@ -32,23 +34,16 @@ type Kind = keyof typeof KINDS | "codes" | "texels";
 
 type AnyBottom = MaterialCards["bottom"];
 
-interface BottomCardProps {
-  material: MaterialCards;
-  /** Whether the bottom is shown without coats. */
-  alone: boolean;
-}
-
-export function BottomCard({ material, alone }: BottomCardProps) {
-  const { bottom } = material;
+export function BottomCard() {
+  const { bottom, name, solo } = material.value;
   const kind = kindOf(bottom);
-  const { name } = material;
   const bare = useMemo(() => ({ name, bottom, coats: [], solo: null }), [name, bottom]);
   const change = (next: AnyBottom, step = "") =>
-    changeMaterial({ ...material, bottom: next }, step);
+    changeMaterial({ ...material.value, bottom: next }, step);
   const surface = {
     owner: "Bottom",
-    widths: bottom as WidthPair,
-    onChange: (next: WidthPair, step: string) => change(withWidths(bottom, next), step),
+    widths: bottom as Widths,
+    onChange: (next: Widths, step: string) => change(withWidths(bottom, next), step),
   };
   const field = ([key, parameter]: [string, Parameter]) => (
     <Field
@@ -88,8 +83,8 @@ export function BottomCard({ material, alone }: BottomCardProps) {
           class="solo"
           name="Solo the bottom"
           title="Show the bottom without coats"
-          pressed={alone}
-          onClick={() => changeMaterial({ ...material, solo: alone ? null : BARE })}
+          pressed={solo === BARE}
+          onClick={() => changeMaterial({ ...material.value, solo: solo === BARE ? null : BARE })}
         >
           S
         </IconButton>
@@ -143,15 +138,14 @@ function Metals({
   return (
     <div class="chips" role="group" aria-label="Metals">
       {Object.entries(METALS).map(([name, { eta, k }]) => (
-        <button
+        <Button
           key={name}
-          type="button"
           aria-pressed={known?.[0] === name}
           style={{ "--medium": hex(reflectanceOf({ kind: "conductor", alpha: 0, eta, k })) }}
-          onClick={() => onChange({ kind: "conductor", ...widthsOf(bottom), eta, k })}
+          onClick={() => onChange({ kind: "conductor", ...widthsIn(bottom), eta, k })}
         >
           {name}
-        </button>
+        </Button>
       ))}
     </div>
   );
@@ -166,15 +160,12 @@ function kindOf(bottom: AnyBottom): Kind {
   return "r0" in bottom ? "schlick" : "metal";
 }
 
-function widthsOf(bottom: AnyBottom): { alpha: Channels; alphaV?: Channels } {
-  if (!("alpha" in bottom)) return { alpha: BOTTOM_PARAMETERS.alpha.fallback };
-  const { alpha, alphaV } = bottom;
-  return alphaV === undefined ? { alpha } : { alpha, alphaV };
-}
+const widthsIn = (bottom: AnyBottom) =>
+  widthsOf("alpha" in bottom ? bottom : { alpha: BOTTOM_PARAMETERS.alpha.fallback });
 
 /** A bottom of another kind that looks like the present one where it can; no metal is as dark as paint. */
 function bottomOfKind(kind: Kind, bottom: AnyBottom): AnyBottom {
-  const widths = widthsOf(bottom);
+  const widths = widthsIn(bottom);
   const colour = reflectanceOf(bottom);
   switch (kind) {
     case "metal":

@@ -4,11 +4,9 @@ import { signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { rgb } from "../material/channels";
 import {
-  BARE,
   type CoatCard as Card,
   givesBack,
   hasTangent,
-  isSeen,
   moved,
   takesCoat,
   withCoat,
@@ -16,6 +14,7 @@ import {
 import { ANGLE } from "../material/parameters";
 import { announce, changeMaterial, material } from "../state/store";
 import { BottomCard } from "./BottomCard";
+import { Button } from "./Button";
 import { CoatCard } from "./CoatCard";
 import { Field } from "./Field";
 import { Icon } from "./icons";
@@ -25,7 +24,7 @@ const dragged = signal<number | null>(null);
 
 export function Cards() {
   const list = useRef<HTMLUListElement>(null);
-  const { coats, solo } = material.value;
+  const { coats } = material.value;
 
   const move = (from: number, to: number) => {
     if (to < 0 || to >= coats.length || from === to) return;
@@ -66,8 +65,7 @@ export function Cards() {
     <section class="cards" aria-label="Stack of layers">
       <div class="cards-head">
         <h2>Layers</h2>
-        <button
-          type="button"
+        <Button
           class="quiet"
           aria-disabled={!takesCoat(material.value)}
           title={
@@ -82,7 +80,7 @@ export function Cards() {
           }}
         >
           <Icon name="plus" /> Add coat
-        </button>
+        </Button>
       </div>
       <ul ref={list} aria-label="Coats, the topmost first">
         {coats.map((card, place) => (
@@ -90,14 +88,13 @@ export function Cards() {
             key={card.id}
             card={card}
             name={`Coat ${coats.length - place}`}
-            seen={isSeen(material.value, card)}
             dragged={dragged.value === card.id}
             onMove={(step) => move(place, place + step)}
             onDrag={(event) => startDrag(event, card)}
           />
         ))}
       </ul>
-      <BottomCard material={material.value} alone={solo === BARE} />
+      <BottomCard />
       {(coats.length > 0 || material.value.bottom.kind === "conductor") && (
         <label
           class="switch"

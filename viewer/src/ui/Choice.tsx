@@ -1,6 +1,7 @@
 /** A choice among few values: a menu, or buttons beside each other. */
 
 import type { ComponentChildren } from "preact";
+import { Button } from "./Button";
 
 interface ChoiceProps<Value extends string | number> {
   /** For screen readers, unless a label names it. */
@@ -33,9 +34,9 @@ export function Segments<Value extends string | number>(props: ChoiceProps<Value
   return (
     <div class="segments" role="group" aria-label={name}>
       {options.map(([own, shown]) => (
-        <button key={own} type="button" aria-pressed={own === value} onClick={() => onChange(own)}>
+        <Button key={own} aria-pressed={own === value} onClick={() => onChange(own)}>
           {shown}
-        </button>
+        </Button>
       ))}
     </div>
   );

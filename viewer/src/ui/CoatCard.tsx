@@ -20,25 +20,25 @@ import {
   type CoatCard as Card,
   type CoatInAir,
   hasSurface,
+  isSeen,
+  type Widths,
   withoutCoat,
 } from "../material/material";
 import { COAT_PARAMETERS, COLOUR, rounded } from "../material/parameters";
 import { announce, changeMaterial, material } from "../state/store";
+import { Button, IconButton } from "./Button";
 import { Field } from "./Field";
-import { IconButton } from "./IconButton";
-import { Icon } from "./icons";
-import { GlossField, WidthFields, type WidthPair, withWidths } from "./WidthFields";
+import { GlossField, WidthFields, withWidths } from "./WidthFields";
 
 interface CoatCardProps {
   card: Card;
   name: string;
-  seen: boolean;
   dragged: boolean;
   onMove: (step: number) => void;
   onDrag: (event: PointerEvent) => void;
 }
 
-export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCardProps) {
+export function CoatCard({ card, name, dragged, onMove, onDrag }: CoatCardProps) {
   const isFolded = useSignal(false);
   const solo = material.value.solo === card.id;
   const replace = (next: Card, kind: string) => {
@@ -48,21 +48,38 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
   const change = (next: Partial<Card>, kind = "") => replace({ ...card, ...next }, kind);
   const look = lookOf(card);
   const hasOwnSurface = hasSurface(material.value, card);
-  const medium = { card, owner: name, onChange: replace };
+  const mediumField = (key: MediumKey) => {
+    const changed = (value: Channels) => withMedium(card, key, value);
+    const value = mediumValue(card, key);
+    return (
+      <Field
+        owner={name}
+        parameter={COAT_PARAMETERS[key]}
+        value={value}
+        coloured={key === "body" ? typeof value !== "number" : key !== "thickness"}
+        colourOf={key === "g" ? undefined : (other) => shownColour(changed(other))}
+        onChange={(other, kind) => replace(changed(other), kind)}
+      />
+    );
+  };
   const surface = {
     owner: name,
     widths: card,
-    onChange: (next: WidthPair, kind: string) => replace(withWidths(card, next), kind),
+    onChange: (next: Widths, kind: string) => replace(withWidths(card, next), kind),
   };
-  const classes = ["card", seen ? "" : "unseen", dragged ? "dragged" : ""].join(" ");
+  const classes = [
+    "card",
+    isSeen(material.value, card) ? "" : "unseen",
+    dragged ? "dragged" : "",
+  ].join(" ");
   return (
     <li class={classes} aria-label={name} style={{ "--medium": hex(shownColour(card)) }}>
       <header>
-        <button
-          type="button"
-          class="icon-button grip"
-          aria-label={`Move ${name}: arrow keys, or drag`}
+        <IconButton
+          class="grip"
+          name={`Move ${name}: arrow keys, or drag`}
           title="Drag, or use the arrow keys"
+          icon="grip"
           onPointerDown={onDrag}
           onKeyDown={(event) => {
             const step = { ArrowUp: -1, ArrowDown: 1 }[event.key];
@@ -73,11 +90,8 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
             const handle = event.currentTarget;
             requestAnimationFrame(() => handle.focus());
           }}
-        >
-          <Icon name="grip" />
-        </button>
-        <button
-          type="button"
+        />
+        <Button
           class="title"
           aria-expanded={!isFolded.value}
           onClick={() => {
@@ -86,7 +100,7 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
         >
           <span>{name}</span>
           <small>{kindOf(card, hasOwnSurface)}</small>
-        </button>
+        </Button>
         <IconButton
           class="solo"
           name={`Solo ${name}`}
@@ -129,12 +143,12 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
           ) : (
             <p class="note">No surface, so no gloss: its index n is that of the coat above.</p>
           )}
-          <MediumField name="thickness" {...medium} />
-          <MediumField name="body" {...medium} />
+          {mediumField("thickness")}
+          {mediumField("body")}
           <details>
             <summary>Advanced</summary>
-            <MediumField name="color" {...medium} />
-            <MediumField name="bodyColor" {...medium} />
+            {mediumField("color")}
+            {mediumField("bodyColor")}
             {hasOwnSurface && <WidthFields parameter={COAT_PARAMETERS.alpha} {...surface} />}
             <Field
               owner={name}
@@ -143,9 +157,9 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
               coloured={typeof card.ior !== "number"}
               onChange={(ior, kind) => change({ ior }, kind)}
             />
-            <MediumField name="sigmaT" {...medium} />
-            <MediumField name="albedo" {...medium} />
-            <MediumField name="g" {...medium} />
+            {mediumField("sigmaT")}
+            {mediumField("albedo")}
+            {mediumField("g")}
             <Replaced card={card} />
           </details>
         </div>
@@ -171,29 +185,6 @@ function Replaced({ card }: { card: Card }) {
 
 /** A parameter of the medium: of its appearance or of its physics, whichever was given. */
 type MediumKey = keyof Look | keyof Physics | "thickness" | "g";
-
-interface MediumFieldProps {
-  name: MediumKey;
-  card: Card;
-  owner: string;
-  onChange: (next: Card, kind: string) => void;
-}
-
-function MediumField({ name, card, owner, onChange }: MediumFieldProps) {
-  const changed = (value: Channels) => withMedium(card, name, value);
-  const value = mediumValue(card, name);
-  const isSplit = typeof value !== "number";
-  return (
-    <Field
-      owner={owner}
-      parameter={COAT_PARAMETERS[name]}
-      value={value}
-      coloured={name === "body" ? isSplit : name !== "thickness"}
-      colourOf={name === "g" ? undefined : (value) => shownColour(changed(value))}
-      onChange={(value, kind) => onChange(changed(value), kind)}
-    />
-  );
-}
 
 /** A parameter of a coat's medium, however it was given. */
 function mediumValue(card: Card, name: MediumKey): Channels {

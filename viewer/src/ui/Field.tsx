@@ -5,7 +5,8 @@ import type { ComponentChildren } from "preact";
 import type { Channels } from "../core/api";
 import { COLOURS, each, joined, type Rgb, rgb } from "../material/channels";
 import { fromHex, hex } from "../material/colour";
-import { clamped, type Parameter, placeOf, rounded, valueAt } from "../material/parameters";
+import { type Parameter, placeOf, rounded, valueAt } from "../material/parameters";
+import { Button } from "./Button";
 import { NumberField } from "./NumberField";
 import { Slider } from "./Slider";
 
@@ -22,6 +23,10 @@ interface FieldProps {
   colourOf?: ((value: Channels) => Rgb) | undefined;
   onChange: (value: Channels, kind: string) => void;
 }
+
+/** Steps of a slider, and the places at which its track's colour is computed. */
+const STEPS = 500;
+const STOPS = [0, 0.2, 0.4, 0.6, 0.8, 1];
 
 export function Field(props: FieldProps) {
   const { owner, parameter, value, coloured, aside, colourOf, onChange } = props;
@@ -52,18 +57,33 @@ export function Field(props: FieldProps) {
     });
     return `linear-gradient(90deg, ${stops.join(", ")})`;
   };
-  const row = (channel: number | null) => (
-    <Row
-      key={channel}
-      name={channel === null ? name : `${name}, ${COLOURS[channel]}`}
-      channel={channel === null ? "" : COLOURS[channel]}
-      track={gradient(channel)}
-      parameter={parameter}
-      value={values[channel ?? 0]}
-      onInput={(next) => set(channel, next)}
-      onReset={reset}
-    />
-  );
+  const row = (channel: number | null) => {
+    const own = channel === null ? name : `${name}, ${COLOURS[channel]}`;
+    const shown = values[channel ?? 0];
+    return (
+      <div class="row" key={channel}>
+        <Slider
+          class={channel === null ? "" : COLOURS[channel]}
+          track={gradient(channel)}
+          name={own}
+          text={String(shown)}
+          low={0}
+          high={STEPS}
+          step={1}
+          value={Math.round(placeOf(parameter, shown) * STEPS)}
+          onInput={(place) => set(channel, valueAt(parameter, place / STEPS))}
+          onReset={reset}
+        />
+        <NumberField
+          name={`${own}, number`}
+          value={shown}
+          low={parameter.low}
+          high={parameter.high}
+          onChange={(next) => set(channel, next)}
+        />
+      </div>
+    );
+  };
 
   return (
     <div class={split ? "field split" : "field"}>
@@ -74,8 +94,7 @@ export function Field(props: FieldProps) {
       <span class="aside">
         {aside}
         {coloured && (
-          <button
-            type="button"
+          <Button
             class="channels"
             aria-pressed={isColour ? undefined : split}
             aria-expanded={isColour ? split : undefined}
@@ -86,7 +105,7 @@ export function Field(props: FieldProps) {
             <i />
             <i />
             <i />
-          </button>
+          </Button>
         )}
       </span>
       <div class="rows">
@@ -104,47 +123,6 @@ export function Field(props: FieldProps) {
         )}
         {split ? [0, 1, 2].map(row) : !isColour && row(null)}
       </div>
-    </div>
-  );
-}
-
-interface RowProps {
-  name: string;
-  channel: string;
-  /** The slider's background. */
-  track: string | undefined;
-  parameter: Parameter;
-  value: number;
-  onInput: (value: number) => void;
-  onReset: () => void;
-}
-
-/** Steps of a slider, and the places at which its track's colour is computed. */
-const STEPS = 500;
-const STOPS = [0, 0.2, 0.4, 0.6, 0.8, 1];
-
-function Row({ name, channel, track, parameter, value, onInput, onReset }: RowProps) {
-  return (
-    <div class="row">
-      <Slider
-        class={channel}
-        track={track}
-        name={name}
-        text={String(value)}
-        low={0}
-        high={STEPS}
-        step={1}
-        value={Math.round(placeOf(parameter, value) * STEPS)}
-        onInput={(place) => onInput(valueAt(parameter, place / STEPS))}
-        onReset={onReset}
-      />
-      <NumberField
-        name={`${name}, number`}
-        value={value}
-        low={parameter.low}
-        high={parameter.high}
-        onChange={(next) => onInput(clamped(parameter, next))}
-      />
     </div>
   );
 }

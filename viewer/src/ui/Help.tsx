@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { IconButton } from "./IconButton";
+import { IconButton } from "./Button";
 
 /** Whether the page explains, and what it says. */
 const explains = signal(false);
@@ -39,11 +39,10 @@ export function Explanation() {
     const follow = ({ target }: Event) => {
       if (explains.value && target instanceof Element) explained.value = tipOf(target) || FIRST;
     };
-    const events = ["pointerover", "pointerdown", "focusin"] as const;
-    for (const name of events) document.addEventListener(name, follow);
-    return () => {
-      for (const name of events) document.removeEventListener(name, follow);
-    };
+    const end = new AbortController();
+    for (const name of ["pointerover", "pointerdown", "focusin"])
+      document.addEventListener(name, follow, { signal: end.signal });
+    return () => end.abort();
   }, []);
   return (
     <p class="explanation" role="status" hidden={!explains.value}>

@@ -23,12 +23,10 @@ export function Menu({ label, name, kind, children }: MenuProps) {
     const outside = (event: Event) => {
       if (!root.current?.contains(event.target as Node)) open.value = false;
     };
-    document.addEventListener("pointerdown", outside);
-    document.addEventListener("focusin", outside);
-    return () => {
-      document.removeEventListener("pointerdown", outside);
-      document.removeEventListener("focusin", outside);
-    };
+    const end = new AbortController();
+    document.addEventListener("pointerdown", outside, { signal: end.signal });
+    document.addEventListener("focusin", outside, { signal: end.signal });
+    return () => end.abort();
   }, [open]);
   return (
     // biome-ignore lint/a11y/noStaticElementInteractions: Escape closes what a button opened

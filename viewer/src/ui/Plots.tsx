@@ -29,6 +29,29 @@ export function Plots() {
   );
 }
 
+type Point = [x: number, y: number];
+
+interface CurvesProps {
+  /** [degrees] */
+  angles: Float32Array;
+  /** (angles, 3); null: they are not known yet. */
+  values: Float32Array | null;
+  place: (degrees: number, value: number) => Point;
+}
+
+/** The curves of the channels. */
+function Curves({ angles, values, place }: CurvesProps) {
+  if (values === null) return null;
+  const point = (degrees: number, value: number) =>
+    place(degrees, value)
+      .map((x) => x.toFixed(1))
+      .join(" ");
+  return COLOURS.map((channel, k) => {
+    const points = Array.from(angles, (degrees, at) => point(degrees, values[3 * at + k]));
+    return <path key={channel} class={`curve ${channel}`} d={`M${points.join("L")}`} />;
+  });
+}
+
 /** The plot's half circle. */
 const RADIUS = 120;
 
@@ -51,8 +74,11 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
   const { incidence } = state.value;
   const f = slot?.plane.value ?? null;
   const { radius, rings } = scaleOf(f);
-  const angle = (incidence * Math.PI) / 180;
-  const [x, y] = [-RADIUS * Math.sin(angle), -RADIUS * Math.cos(angle)];
+  const at = (degrees: number, r: number): Point => {
+    const angle = (degrees * Math.PI) / 180;
+    return [r * Math.sin(angle), -r * Math.cos(angle)];
+  };
+  const [x, y] = at(-incidence, RADIUS);
 
   const follow = (event: PointerEvent) => {
     const matrix = svg.current?.getScreenCTM();
@@ -96,10 +122,11 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
           ))}
           <path d={`M${-RADIUS} 0H${RADIUS}M0 0V${-RADIUS}`} />
         </g>
-        {f !== null &&
-          COLOURS.map((channel, k) => (
-            <path key={channel} class={`curve ${channel}`} d={polar(f, k, radius)} />
-          ))}
+        <Curves
+          angles={PLANE_ANGLES}
+          values={f}
+          place={(degrees, value) => at(degrees, radius(value))}
+        />
         <line class="incident" x1={0} y1={0} x2={x} y2={y} />
         <circle class="knob" cx={x} cy={y} r={7} />
         <circle
@@ -136,15 +163,6 @@ function halfCircle(radius: number): string {
   return `M-${r} 0A${r} ${r} 0 0 1 ${r} 0`;
 }
 
-function polar(f: Float32Array, channel: number, radius: (f: number) => number): string {
-  const points = Array.from(PLANE_ANGLES, (degrees, at) => {
-    const angle = (degrees * Math.PI) / 180;
-    const r = radius(f[3 * at + channel]);
-    return `${(r * Math.sin(angle)).toFixed(1)} ${(-r * Math.cos(angle)).toFixed(1)}`;
-  });
-  return `M${points.join("L")}`;
-}
-
 const WIDTH = 230;
 const HEIGHT = 104;
 
@@ -174,22 +192,14 @@ function AlbedoPlot({ slot }: { slot: Slot | undefined }) {
           ))}
         </g>
         <line class="incident" x1={across(incidence)} x2={across(incidence)} y1={0} y2={HEIGHT} />
-        {albedo !== null &&
-          COLOURS.map((channel, k) => (
-            <path key={channel} class={`curve ${channel}`} d={albedoPath(albedo, k, across)} />
-          ))}
+        <Curves
+          angles={ALBEDO_ANGLES}
+          values={albedo}
+          place={(degrees, value) => [across(degrees), HEIGHT * (1 - Math.min(value, 1.1))]}
+        />
       </svg>
     </figure>
   );
-}
-
-function albedoPath(albedo: Float32Array, channel: number, across: (degrees: number) => number) {
-  const points = Array.from(ALBEDO_ANGLES, (degrees, at) => {
-    const x = across(degrees);
-    const y = HEIGHT * (1 - Math.min(albedo[3 * at + channel], 1.1));
-    return `${x.toFixed(1)} ${y.toFixed(1)}`;
-  });
-  return `M${points.join("L")}`;
 }
 
 function spokenAlbedo(albedo: Float32Array | null): string {

@@ -6,6 +6,7 @@ import { opened } from "../engine/open";
 import { readStored, stored } from "../engine/session";
 import { groupOf, PRESETS } from "../material/presets";
 import { changeMaterial, material } from "../state/store";
+import { Button } from "./Button";
 import { Thumbnail } from "./Thumbnail";
 
 /** One material is a stop of the Tab key; arrows, Home and End choose another, and letters search. */
@@ -73,8 +74,7 @@ export function Presets({ onChosen }: { onChosen: () => void }) {
               .filter(([of]) => of === group)
               .map((one) => (
                 <li key={one[1].name}>
-                  <button
-                    type="button"
+                  <Button
                     tabIndex={one === stop ? 0 : -1}
                     aria-pressed={one[1].name === material.value.name}
                     onFocus={() => {
@@ -84,7 +84,7 @@ export function Presets({ onChosen }: { onChosen: () => void }) {
                   >
                     <Thumbnail of={one[1]} />
                     <span>{one[1].name}</span>
-                  </button>
+                  </Button>
                 </li>
               ))}
           </ul>

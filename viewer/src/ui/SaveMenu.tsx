@@ -17,6 +17,7 @@ import { sceneFile } from "../save/scene";
 import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shader";
 import { toAddress, toJson } from "../state/address";
 import { announce, complain, material, state, tell } from "../state/store";
+import { Button } from "./Button";
 
 /** A kind of file: its name in the menu, what it is, and what makes it. */
 interface Kind {
@@ -81,7 +82,7 @@ const FIRST: readonly Kind[] = [
   {
     label: "Material",
     hint: "safetensors, for urushi.load",
-    save: async (name) => download(`${name}.safetensors`, new Blob([await presentFile()])),
+    save: async (name) => download(`${name}.safetensors`, await presentFile()),
   },
 ];
 
@@ -100,7 +101,7 @@ const MORE: Readonly<Record<string, readonly Kind[]>> = {
       label: "Radiance",
       hint: "EXR, the picture in linear light",
       save: async (name) => {
-        download(`${name}.exr`, new Blob([exrFile(await presentSession().radiance())]));
+        download(`${name}.exr`, exrFile(await presentSession().radiance()));
         tellOfRefining();
       },
     },
@@ -111,32 +112,32 @@ const MORE: Readonly<Record<string, readonly Kind[]>> = {
       hint: "ZIP: object, camera, light and material",
       save: async (name) => {
         const scene = { ...(await presentSession().scene()), material: await presentFile() };
-        download(`${name}-scene.zip`, new Blob([sceneFile(scene)]));
+        download(`${name}-scene.zip`, sceneFile(scene));
       },
     },
     {
       label: "Mitsuba XML",
       hint: "a BSDF for a scene file",
-      save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(material.value))),
+      save: (name) => download(`${name}.xml`, mitsubaXml(material.value)),
     },
     {
       label: "Python",
       hint: "a program with urushi",
-      save: (name) => download(`${name}.py`, textBlob(pythonText(material.value))),
+      save: (name) => download(`${name}.py`, pythonText(material.value)),
     },
     {
       label: "MaterialX",
       hint: "an open_pbr_surface, without what that lacks",
       save: (name) => {
         const { text, lost } = materialxText(material.value);
-        download(`${name}.mtlx`, textBlob(text));
+        download(`${name}.mtlx`, text);
         if (lost) tell(lost);
       },
     },
     {
       label: "State",
       hint: "JSON, to open here again",
-      save: (name) => download(`${name}.json`, textBlob(toJson(state.value, 2))),
+      save: (name) => download(`${name}.json`, toJson(state.value, 2)),
     },
   ],
   "Shaders of f, pdf and sample": (Object.keys(LANGUAGES) as Language[]).map((language) => ({
@@ -167,7 +168,7 @@ function tellOfRefining(): void {
 async function saveShader(language: Language, name: string): Promise<void> {
   const { core, codes } = await encoded();
   const text = shaderText(await readTemplate(language, core.widths), codes, rotation());
-  download(`${name}${LANGUAGES[language].suffix}`, textBlob(text));
+  download(`${name}${LANGUAGES[language].suffix}`, text);
   if (!codes.table.isOfCodes)
     tell(
       "The shader code has the codes of the material; for its table, save the material and run urushi export.",
@@ -184,16 +185,12 @@ function isStretchedAlike({ table: { stretches = [0] } }: Material): boolean {
 }
 
 /** Offer a file for download. */
-function download(name: string, content: Blob): void {
+function download(name: string, content: BlobPart): void {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(content);
+  link.href = URL.createObjectURL(new Blob([content]));
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-}
-
-function textBlob(text: string): Blob {
-  return new Blob([text], { type: "text/plain" });
 }
 
 /** Write a kind of file; what goes wrong is told. */
@@ -209,8 +206,7 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
   const buttons = (kinds: readonly Kind[]) =>
     kinds.map((kind) => (
       <li key={kind.label}>
-        <button
-          type="button"
+        <Button
           title={kind.hint}
           onClick={() => {
             onDone();
@@ -219,7 +215,7 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
         >
           <span>{kind.label}</span>
           <small>{kind.hint}</small>
-        </button>
+        </Button>
       </li>
     ));
   return (

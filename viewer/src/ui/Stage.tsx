@@ -5,6 +5,7 @@ import { loading, noPicture, occluding, session } from "../engine/session";
 import { titleOf } from "../material/presets";
 import { DIFFERENCE_SCALES, INITIAL, type View } from "../state/state";
 import { change, look, notice, state, task } from "../state/store";
+import { Button } from "./Button";
 import { Choice } from "./Choice";
 
 /** The id of the picture's place. */
@@ -41,19 +42,16 @@ function Told() {
     <div class="notice" role="alert">
       <span>{text}</span>
       {retry && (
-        <button
-          type="button"
+        <Button
           onClick={() => {
             close();
             retry();
           }}
         >
           Try again
-        </button>
+        </Button>
       )}
-      <button type="button" onClick={close}>
-        Close
-      </button>
+      <Button onClick={close}>Close</Button>
     </div>
   );
 }
@@ -174,8 +172,7 @@ function turn(change: Partial<View>): void {
 
 /** Turn the environment, which is a step of its own. */
 function light(degrees: number): void {
-  const rotation = around(state.value.rotation + degrees);
-  change({ ...state.value, rotation }, "rotation");
+  change({ rotation: around(state.value.rotation + degrees) }, "rotation");
 }
 
 function panned(shift: number): number {
@@ -193,12 +190,7 @@ function Status() {
     return (
       <p class="status">
         <progress aria-label={text} value={share} />
-        {text} …
-        {cancel && (
-          <button type="button" onClick={cancel}>
-            Cancel
-          </button>
-        )}
+        {text} …{cancel && <Button onClick={cancel}>Cancel</Button>}
       </p>
     );
   }

@@ -14,7 +14,6 @@ const COMPARISON_NAMES: Record<Comparison, string> = {
 
 export function Toolbar() {
   const { object, mesh, environment, panorama, rotation, exposure, comparison } = state.value;
-  const set = (next: Partial<State>, kind = "") => change({ ...state.value, ...next }, kind);
   const objects: State["object"][] = mesh === "" ? [...OBJECTS] : [...OBJECTS, "own"];
   const environments = ENVIRONMENTS.filter((name) => name !== "own" || panorama !== "");
   return (
@@ -24,7 +23,7 @@ export function Toolbar() {
         <Choice
           value={object}
           options={objects.map((name) => [name, name === "own" ? mesh : capital(name)])}
-          onChange={(name) => set({ object: name })}
+          onChange={(name) => change({ object: name })}
         />
       </label>
       <label>
@@ -32,7 +31,7 @@ export function Toolbar() {
         <Choice
           value={environment}
           options={environments.map((name) => [name, name === "own" ? panorama : capital(name)])}
-          onChange={(name) => set({ environment: name })}
+          onChange={(name) => change({ environment: name })}
         />
       </label>
       <Dial
@@ -43,7 +42,7 @@ export function Toolbar() {
         low={-180}
         high={180}
         step={1}
-        onInput={(value) => set({ rotation: value }, "rotation")}
+        onInput={(value) => change({ rotation: value }, "rotation")}
       />
       <Dial
         label="Exposure"
@@ -53,13 +52,13 @@ export function Toolbar() {
         low={-4}
         high={4}
         step={0.1}
-        onInput={(value) => set({ exposure: Number(value.toFixed(1)) }, "exposure")}
+        onInput={(value) => change({ exposure: Number(value.toFixed(1)) }, "exposure")}
       />
       <Segments
         name="Compare"
         value={comparison}
         options={COMPARISONS.map((name) => [name, COMPARISON_NAMES[name]])}
-        onChange={(name) => set({ comparison: name })}
+        onChange={(name) => change({ comparison: name })}
       />
     </div>
   );

@@ -4,8 +4,8 @@ import { useRef } from "preact/hooks";
 import { openFiles } from "../engine/open";
 import { titleOf } from "../material/presets";
 import { canRedo, canUndo, material, redo, state, undo } from "../state/store";
+import { Button, IconButton } from "./Button";
 import { HelpButton } from "./Help";
-import { IconButton } from "./IconButton";
 import { Icon, type IconName } from "./icons";
 import { Menu } from "./Menu";
 import { Presets } from "./Presets";
@@ -43,14 +43,14 @@ export function TopBar() {
         name="Undo"
         title="Undo (Ctrl+Z)"
         icon="undo"
-        disabled={!canUndo.value}
+        aria-disabled={!canUndo.value}
         onClick={undo}
       />
       <IconButton
         name="Redo"
         title="Redo (Ctrl+Shift+Z)"
         icon="redo"
-        disabled={!canRedo.value}
+        aria-disabled={!canRedo.value}
         onClick={redo}
       />
       <input
@@ -64,15 +64,14 @@ export function TopBar() {
           event.currentTarget.value = "";
         }}
       />
-      <button
-        type="button"
+      <Button
         class="text-button"
         aria-label="Open"
         title="A material (.safetensors), a panorama (.hdr, .exr), a mesh (.obj, .glb, .gltf, .ply) or a saved state (.json); or drop it on the page"
         onClick={() => input.current?.click()}
       >
         {labelled("open", "Open")}
-      </button>
+      </Button>
       <Menu kind="view" name="View" label={labelled("sliders", "View")}>
         {(close) => <ViewMenu onDone={close} />}
       </Menu>

@@ -1,8 +1,9 @@
 /** How the picture is seen: lens, background, tone curve, turntable, and full screen. */
 
 import { Refusal } from "../refusal";
-import { INITIAL, type State, TONES, type Tone } from "../state/state";
+import { INITIAL, TONES, type Tone } from "../state/state";
 import { change, complain, look, state } from "../state/store";
+import { Button } from "./Button";
 import { Choice } from "./Choice";
 import { Dial } from "./Dial";
 import { STAGE, wantsStillness } from "./Stage";
@@ -20,7 +21,6 @@ const PLAIN = "#f2f2f2";
 
 export function ViewMenu({ onDone }: { onDone: () => void }) {
   const { view, background, tone, turntable } = state.value;
-  const set = (next: Partial<State>, kind = "") => change({ ...state.value, ...next }, kind);
   const isColour = background.startsWith("#");
   const fullScreen = async () => {
     onDone();
@@ -48,7 +48,7 @@ export function ViewMenu({ onDone }: { onDone: () => void }) {
         <Choice
           value={isColour ? "colour" : background}
           options={Object.entries(BACKGROUNDS)}
-          onChange={(value) => set({ background: value === "colour" ? PLAIN : value })}
+          onChange={(value) => change({ background: value === "colour" ? PLAIN : value })}
         />
         {isColour && (
           <input
@@ -56,7 +56,7 @@ export function ViewMenu({ onDone }: { onDone: () => void }) {
             class="swatch"
             aria-label="Colour of the background"
             value={background}
-            onInput={(event) => set({ background: event.currentTarget.value }, "background")}
+            onInput={(event) => change({ background: event.currentTarget.value }, "background")}
           />
         )}
       </label>
@@ -65,7 +65,7 @@ export function ViewMenu({ onDone }: { onDone: () => void }) {
         <Choice
           value={tone}
           options={TONES.map((name) => [name, TONE_NAMES[name]])}
-          onChange={(value) => set({ tone: value })}
+          onChange={(value) => change({ tone: value })}
         />
       </label>
       <label title={wantsStillness() ? "Your system asks for less motion." : undefined}>
@@ -78,13 +78,13 @@ export function ViewMenu({ onDone }: { onDone: () => void }) {
         />
       </label>
       <div class="pair">
-        <button type="button" class="text-button" onClick={() => look({ view: INITIAL.view })}>
+        <Button class="text-button" onClick={() => look({ view: INITIAL.view })}>
           Reset camera
-        </button>
+        </Button>
         {document.fullscreenEnabled && (
-          <button type="button" class="text-button" onClick={() => void fullScreen()}>
+          <Button class="text-button" onClick={() => void fullScreen()}>
             Full screen
-          </button>
+          </Button>
         )}
       </div>
     </>

@@ -1,21 +1,16 @@
 /** The widths of a surface: its gloss, and one width or two along and across the tangent. */
 
-import type { Channels } from "../core/api";
+import { type Widths, widthsOf } from "../material/material";
 import { alphaOf, GLOSS, glossOf, type Parameter, WIDTHS } from "../material/parameters";
+import { Button } from "./Button";
 import { Field } from "./Field";
-
-export interface WidthPair {
-  alpha: Channels;
-  /** Undefined while the widths are linked. */
-  alphaV?: Channels | undefined;
-}
 
 interface WidthFieldsProps {
   owner: string;
   /** Of the one width. */
   parameter: Parameter;
-  widths: WidthPair;
-  onChange: (next: WidthPair, kind: string) => void;
+  widths: Widths;
+  onChange: (next: Widths, kind: string) => void;
 }
 
 /** The gloss of a surface whose width is one number; others have none. */
@@ -37,8 +32,7 @@ export function WidthFields({ owner, parameter, widths, onChange }: WidthFieldsP
   const { alpha, alphaV } = widths;
   const isLinked = alphaV === undefined;
   const link = (
-    <button
-      type="button"
+    <Button
       class="link"
       aria-pressed={!isLinked}
       aria-label={`${owner}, u·v: two widths`}
@@ -46,7 +40,7 @@ export function WidthFields({ owner, parameter, widths, onChange }: WidthFieldsP
       onClick={() => onChange({ alpha, alphaV: isLinked ? alpha : undefined }, "")}
     >
       u·v
-    </button>
+    </Button>
   );
   return (
     <>
@@ -71,11 +65,8 @@ export function WidthFields({ owner, parameter, widths, onChange }: WidthFieldsP
   );
 }
 
-/** A surface with other widths; `alphaV` is left out while they are linked. */
-export function withWidths<Surface extends object>(
-  surface: Surface,
-  { alpha, alphaV }: WidthPair,
-): Surface {
-  const { alphaV: _before, ...rest } = surface as Surface & { alphaV?: Channels };
-  return { ...rest, alpha, ...(alphaV === undefined ? {} : { alphaV }) } as unknown as Surface;
+/** A surface with other widths. */
+export function withWidths<Surface extends object>(surface: Surface, widths: Widths): Surface {
+  const { alphaV: _before, ...rest } = surface as Surface & Widths;
+  return { ...rest, ...widthsOf(widths) } as unknown as Surface;
 }

@@ -7,7 +7,7 @@ import { rows } from "../../src/core/channels";
 import { loadCore, type NetworkCore } from "../../src/core/core";
 import { EnergyLimit } from "../../src/core/energy";
 import { ENERGY } from "../../src/core/formulas";
-import { mixtureDensity, Proposals } from "../../src/core/mixture";
+import { mixtureDensity, proposalOf } from "../../src/core/mixture";
 import { directionRule } from "../../src/core/quadrature";
 import { readWeights } from "../../src/core/weights";
 import { type MaterialCards, stackOf, withCoat } from "../../src/material/material";
@@ -136,8 +136,8 @@ describe("the proposal", () => {
     const wi = { x: Math.sqrt(1 - cosine * cosine), y: 0, z: cosine };
     const { wo, weights } = directionRule(wi, 1, [48, 16, 1e-3, 1e-5]);
     const { arch, proposal } = readWeights(bytesOf(SHIPPED));
-    const proposer = new Proposals(proposal, arch.lobe);
-    const mixture = proposer.proposals(material.latents.slice(0, core.latentSize))(wi);
+    const code = material.latents.slice(0, core.latentSize);
+    const mixture = proposalOf(proposal, arch.lobe, code)(wi);
     const total = weights.reduce((sum, weight, i) => {
       const [x, y, z] = wo.slice(3 * i, 3 * i + 3);
       return sum + (mixtureDensity(mixture, wi, { x, y, z }) / z) * weight;

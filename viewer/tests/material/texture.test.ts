@@ -90,7 +90,7 @@ test("the mean code is that of all texels", () => {
 test("size, place and name are read", () => {
   const texture = read();
   expect(texture.size).toEqual([2, 1]);
-  expect(texture.toTexture).toEqual([0.5, 0, 0.1, 0, 1, 0]);
+  expect(texture.toTexture).toEqual([0.5, 0, 0, 1, 0.1, 0]);
   expect(texture.id).toMatch(/^[0-9a-f]{8}$/);
   expect(isTexture(new TensorFile(file()))).toBe(true);
   expect(isTexture(new TensorFile(file({ kind: "material" })))).toBe(false);

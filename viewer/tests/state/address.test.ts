@@ -1,9 +1,10 @@
 import { expect, test } from "vitest";
+import type { MaterialCards } from "../../src/material/material";
 import { Refusal } from "../../src/refusal";
 import { checkSum, fromAddress, toAddress } from "../../src/state/address";
-import { INITIAL, type State, withMaterial } from "../../src/state/state";
+import { INITIAL, type State } from "../../src/state/state";
 
-const CODES: State = withMaterial(INITIAL, {
+const LACQUER: MaterialCards = {
   name: "漆 – lacquer",
   bottom: {
     kind: "codes",
@@ -11,7 +12,8 @@ const CODES: State = withMaterial(INITIAL, {
   },
   coats: [{ id: 1, on: false, alpha: 0.1, ior: 1.5, albedo: [0.1, 0.2, 0.3], sigmaT: 1, g: -0.5 }],
   solo: 1,
-});
+};
+const CODES: State = { ...INITIAL, materials: [LACQUER, INITIAL.materials[1]] };
 
 test("an address holds codes, too", () => {
   const address = toAddress(CODES);
