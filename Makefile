@@ -86,13 +86,10 @@ thumbnails: $(READY)
 	.venv/bin/python -m gallery library out/gallery/library --width 900 --height 560 --spp 128
 	.venv/bin/urushi render out/gallery/library/scene.xml -o docs/images/library.jpg
 
-# The pictures of docs/measured.md, by the present weights
-MATERIALS := velvet car-paint brushed
+# The picture of docs/measured.md, by the present weights
 measured-pictures: $(READY)
-	.venv/bin/urushi encode $(MATERIALS:%=docs/materials.xml#%) -o out/materials
 	.venv/bin/python -m benchmarks.examine docs/materials.xml#car-paint -o out/materials/report
 	cp out/materials/report/car-paint.png docs/images/encode_report.png
-	.venv/bin/python -m benchmarks.sheet $(MATERIALS:%=out/materials/%.safetensors) -o docs/images/sheet.jpg
 
 # Results that are stale, their figures and their tables in the documentation, in a night; finished
 # cases in out/figures are kept.
