@@ -88,9 +88,8 @@ def bsdf_values(
     parts = []
     for start in range(0, len(wi), CHUNK):
         rows = slice(start, start + CHUNK)
-        si = interaction(
-            wi[rows], uv[rows], repeat[rows] if isinstance(repeat, np.ndarray) else repeat
-        )
+        time = repeat[rows] if isinstance(repeat, np.ndarray) else repeat
+        si = interaction(wi[rows], uv[rows], time)
         out = _vector(wo[rows])
         values = bsdf_channels(bsdf, si, out)
         dr.eval(values)
