@@ -171,12 +171,6 @@ def knotted(v: Any, knots: Knots, xp: Namespace) -> Any:
     return result
 
 
-def unknotted(place: np.ndarray, knots: Knots) -> np.ndarray:
-    """v of coordinates with nodes at knots, the inverse of `knotted`."""
-    edges, nodes = zip((0.0, 0), *knots, (1.0, SHAPE[1] - 1), strict=True)
-    return np.interp(place * nodes[-1], nodes, edges)
-
-
 def known_nodes(knots: Knots) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (K,) in u and (L,) in v that light transport computes."""
     u, v = (np.append(np.arange(0, n - 1, k), n - 1) for n, k in zip(SHAPE, STRIDES, strict=False))
@@ -222,8 +216,9 @@ def node_pairs(knots: Knots = ()) -> tuple[np.ndarray, np.ndarray]:
     Cosines are at least `MIN_COSINE`.
     """
     axes = [np.linspace(0, 1, count) for count in SHAPE]
-    if knots:
-        axes[1] = unknotted(axes[1], knots)
+    if knots:  # the inverse of `knotted`
+        edges, nodes = zip((0.0, 0), *knots, (1.0, SHAPE[1] - 1), strict=True)
+        axes[1] = np.interp(axes[1] * nodes[-1], nodes, edges)
     places = (x.ravel() for x in np.meshgrid(*axes, indexing="ij"))
     pairs = node_directions(*places)
     for w in pairs:

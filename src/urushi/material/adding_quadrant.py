@@ -116,11 +116,7 @@ def medium_parts(albedo: float, sigma_t: float, g: float) -> np.ndarray:
     after one event."""
     own = adding.grid()
     once = own.modes(adding.reflected_once_on_grid([(albedo, sigma_t, g)], own))
-    return _parts_of_modes(np.stack([*adding.medium(albedo, sigma_t, g), once]))
-
-
-def _parts_of_modes(modes: np.ndarray) -> np.ndarray:
-    """The parts float32 (K, 4, Q, Q) of modes (K, H, N, N) on the grid of `adding`."""
+    modes = np.stack([*adding.medium(albedo, sigma_t, g), once])
     phi, orders = np.arctan2(*directions()[:ACROSS, 1::-1].T), np.arange(modes.shape[1])
     scales = np.where((orders == 0) | (orders == orders[-1]), 4, 8) / (2 * np.pi)
     result = []

@@ -45,6 +45,9 @@ from urushi.parallel import run_all_cores
 #: Pairs of refracted directions over wide lobes, over narrow ones, and half vectors for each side.
 WIDE, NARROW, HALF = 256, 512, 256
 
+#: Tilt of half vectors by an interface, over the width of a lobe, above which the lobe is narrow.
+LEAST_TILT = 0.04
+
 #: Share by which the balance heuristic counts half vectors.
 HALF_SHARE = 0.2
 
@@ -174,11 +177,12 @@ def _jobs(
         run_all_cores(fill, range(len(channels)))
     else:
         more, factors = _turned_back(below, channels, interfaces, layers)
-    narrow = below.narrow(np.max(widths, axis=0), eta, channels) & (eta != 1)
+    width, tilt = below.width[channels], np.abs(1 - 1 / eta) * np.max(widths, axis=0)
+    narrow = tilt > LEAST_TILT * width.min(axis=1)
     return Jobs(
         below.reflector.taken(channels),
         interfaces.T,
-        np.where(narrow[:, None], below.width[channels], 0),
+        np.where(narrow[:, None], width, 0),
         more,
         layers.reshape(len(layers), -1),
         factors,

@@ -61,14 +61,6 @@ class Layers(NamedTuple):
         interfaces = np.stack([self.interfaces[:, 0], 1 / self.interfaces[:, 1]], axis=1)
         return Layers(interfaces[::-1], tuple(media[::-1] for media in self.media[::-1]))
 
-    def is_symmetric(self) -> bool:
-        """Whether it is the same upside down."""
-        other = self.turned()
-        return np.allclose(other.interfaces, self.interfaces, 1e-4) and all(
-            a.shape == b.shape and np.allclose(a, b)
-            for a, b in zip(other.media, self.media, strict=True)
-        )
-
     def indices(self) -> np.ndarray:
         """(n + 2,) indices of the media relative to that above all."""
         return np.append(1, self.interfaces[:, 1].cumprod())

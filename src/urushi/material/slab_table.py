@@ -149,7 +149,10 @@ def slab_tables(interfaces: np.ndarray, media: np.ndarray) -> SlabTables:
     """
     layers, channels = Layers.of(interfaces, media), media.shape[-1]
     turned = layers.turned()
-    symmetric = layers.is_symmetric()
+    symmetric = np.allclose(turned.interfaces, layers.interfaces, 1e-4) and all(
+        a.shape == b.shape and np.allclose(a, b)
+        for a, b in zip(turned.media, layers.media, strict=True)
+    )
     faces, relative = (layers.face(), turned.face()), layers.indices() / layers.indices().min()
     indices = float(relative[0]), float(relative[-1])
     sides = [shares(side, channels) for side in (layers, turned)[: 1 if symmetric else 2]]

@@ -18,9 +18,6 @@ from urushi.nets.lobe_fit import fit_lobes
 #: A lobe's width is where it has this part of its peak, as GGX has at tan theta_h = alpha.
 PART_OF_PEAK = 0.25
 
-#: Tilt of half vectors by an interface, over the width of a lobe, above which the lobe is narrow.
-LEAST_TILT = 0.04
-
 #: Angles of total reflection are rounded to this step [rad]: coats of similar index share a grid.
 EDGE_STEP = 1 / 32
 
@@ -68,10 +65,6 @@ class Substrate:
     def widths(self) -> int:
         """The number of GGX widths."""
         return 1 if self.reflector.stretch2 is None else 2
-
-    def narrow(self, alpha: np.ndarray, eta: np.ndarray, channels: np.ndarray) -> np.ndarray:
-        """Whether the lobes of channels (D,) are narrow below interfaces (D,), of widths alpha."""
-        return np.abs(1 - 1 / eta) * alpha > LEAST_TILT * self.width.min(axis=1)[channels]
 
     def edges(self, eta: float) -> adding.Edges:
         """Of the medium below an interface of relative index eta: where it reflects totally.

@@ -73,14 +73,6 @@ class Architecture:
         """The sizes as a JSON object."""
         return json.dumps(asdict(self))
 
-    @classmethod
-    def from_json(cls, text: str) -> "Architecture":
-        """Read `to_json`'s text; a ParameterError for anything else."""
-        try:
-            return cls(**json.loads(text))
-        except (TypeError, ValueError) as error:
-            raise ParameterError(f"the architecture is not valid: {error}") from error
-
     def parameter_shapes(self) -> dict[str, tuple[int, ...]]:
         """Every parameter's shape by name."""
         nodes, k = int(np.prod(SHAPE)), self.functions

@@ -133,7 +133,7 @@ def read(path: str | os.PathLike) -> Model:
             or its arrays do not fit its architecture.
     """
     description, params = files.read_tensors(path, "weights", FORMAT_VERSION)
-    arch = description.get("architecture")
+    arch: Any = description.get("architecture")
     if isinstance(arch, dict) and "kind" in arch:
         raise FileError(
             f"'{path}' holds networks of the system '{arch['kind']}', but those of 'urushi' are "
@@ -145,7 +145,7 @@ def read(path: str | os.PathLike) -> Model:
             low, step = params.pop("basis.grid")
             params["basis.rows"] = (params["basis.rows"] * step + low).astype(np.float32)
         header = description.get("header") or {}
-        return Model.of(Architecture.from_json(json.dumps(arch)), params, header)
+        return Model.of(Architecture(**arch), params, header)
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
