@@ -82,7 +82,7 @@ def test_a_diffuser_replaces_the_middle_of_a_deep_medium(g: float, depth: float)
         return [modes[0] for modes in doubling.slab(GRID, 1.0, sigma_t, g)]
 
     depth, number = depth / (1 - max(g, 0)), backend().Float
-    short = medium.of(number(1), number(depth), number(g))
+    short = medium.Medium.of(number(1), number(depth), number(g))
     assert short.deep[0]
     whole, half = averaged(depth), averaged(float(short.sigma_t[0]) / 2)
     passed = float(short.passed[0])
@@ -97,7 +97,7 @@ def test_a_diffuser_replaces_the_middle_of_a_deep_medium(g: float, depth: float)
 def test_only_deep_media_that_lose_no_light_have_a_diffuser() -> None:
     number, color = backend().Float, backend().Array3f
     for albedo, depth, g in ((0.999, 100, 0), (1, 11, 0), (1, 100, 0.9)):
-        assert not medium.of(number(albedo), number(depth), number(g)).deep[0]
+        assert not medium.Medium.of(number(albedo), number(depth), number(g)).deep[0]
     for albedo, least, deep in ((1, 20, True), (1, 5, False), ((1, 0.9, 1), 20, False)):
         albedo = color(*albedo) if isinstance(albedo, tuple) else color(albedo)
-        assert medium.of(albedo, color(least, 50, 1e4), color(0)).deep[0] == deep
+        assert medium.Medium.of(albedo, color(least, 50, 1e4), color(0)).deep[0] == deep

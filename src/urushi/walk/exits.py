@@ -64,7 +64,7 @@ class ExitPaths:
             pdf = dr.select(eta == 1, dr.inf, pdf)
             if index > 0:
                 above = self._of_layer[-1]
-                crossed = Medium.of(layers, index_type(index - 1))
+                crossed = Medium.of(*layers.medium(index_type(index - 1)))
                 weight = weight * crossed.transmittance(type(wo.z)(1), above.direction.z)
                 # b: the density with which a walk that rises from inside continues outside.
                 _, ratio = interface.scatter(flip(inside), flip(outside), alpha, 1 / eta)

@@ -44,9 +44,8 @@ class Medium(NamedTuple):
     passed: Any  # the share of light that the sheet transmits, the rest is reflected
 
     @classmethod
-    def of(cls, layers: Any, layer: Any) -> "Medium":
-        """The medium of a layer, which may vary per lane."""
-        albedo, sigma_t, g = layers.medium(layer)
+    def of(cls, albedo: Any, sigma_t: Any, g: Any) -> "Medium":
+        """The medium with these parameters, floats or colours."""
         scatters = dr.minimum(spectral_mis.greatest(albedo) / ROULETTE_THRESHOLD, 1)
         reduced = 1 - dr.maximum(g, 0)
         deep = (spectral_mis.least(albedo) >= 1) & (spectral_mis.least(sigma_t * reduced) > DEEP)

@@ -1,6 +1,5 @@
 """Many monochrome stacks of one shape as arrays, from which each lane of a walk reads one row."""
 
-import functools
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -41,7 +40,11 @@ class StackTable:
                 f"a table of '{self.kind}' bottoms needs the parameters {', '.join(names)}"
             )
         for name in CoatParameters._fields:
-            value = of_widths(functools.partial(self._coat_column, name), getattr(self, name))
+            value = getattr(self, name)
+            if isinstance(value, Widths):
+                value = Widths(*map(self._coat_column, ("alpha_u", "alpha_v"), (value.u, value.v)))
+            else:
+                value = self._coat_column(name, value)
             object.__setattr__(self, name, value)
         columns = {name: _column(values) for name, values in self.bottom.items()}
         if any(v.shape != (len(self),) for v in columns.values()):

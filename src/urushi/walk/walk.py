@@ -128,7 +128,7 @@ def enter(
     lowest = type(s["layer"])(layers.count - 1)
     path = exits.at(lowest)
     start = {"w": -wi, "throughput": type(s["throughput"])(1)}
-    visible = Medium.of(layers, lowest).transmittance(type(s["depth"])(1), path.direction.z)
+    visible = Medium.of(*layers.medium(lowest)).transmittance(type(s["depth"])(1), path.direction.z)
     u = s["rng"].next_float32(), s["rng"].next_float32(), s["rng"].next_float32()
     first = bottom_event(start, entry, visible, path, u)
     s["active"] |= below & (spectral_mis.greatest(first.throughput) > 0)
@@ -151,7 +151,7 @@ def advance(
     rng, color = s["rng"], type(s["throughput"])
     active = dr.mask_t(s["depth"])(s["active"])
     down = s["w"].z < 0
-    here = Medium.of(layers, s["layer"])
+    here = Medium.of(*layers.medium(s["layer"]))
     path = exits.at(s["layer"])
     place, in_medium = fly(s, here, down, hero)
     visible = here.transmittance(s["depth"], path.direction.z)
@@ -300,7 +300,7 @@ def inner_event(s: dict[str, Any], layers: Layers, exits: ExitPaths, down: Any, 
     path = exits.at(above)
     outgoing = dr.select(down, path.direction, flip(path.direction))
     f, pdf = interface.scatter(incident, outgoing, alpha, eta)
-    visible = Medium.of(layers, above).transmittance(type(f)(1), path.direction.z)
+    visible = Medium.of(*layers.medium(above)).transmittance(type(f)(1), path.direction.z)
     connected = s["throughput"] * f * visible * path.weight
     contribution = connected * path.mis(pdf, ratios_below(path.direction))
     direction, weight, pdf = interface.sample(incident, alpha, eta, *u)
