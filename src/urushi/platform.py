@@ -28,17 +28,33 @@ LLVM_VARIABLE = "DRJIT_LIBLLVM_PATH"
 OLDEST_LLVM = 17
 
 _LIBATOMIC = "libatomic.so.1"
-_LLVM_PATTERNS = (
-    "/usr/lib/*-linux-gnu/libLLVM*.so*",
-    "/usr/lib/wsl/lib/libLLVM*.so*",
-    "/usr/lib64/libLLVM*.so*",
-    "/usr/lib64/llvm*/lib/libLLVM*.so*",
-    "/usr/lib/libLLVM*.so*",
-    "/usr/lib/llvm*/lib/libLLVM*.so*",
-    "/usr/local/lib/libLLVM*.so*",
+_LLVM_PATTERNS = {
+    "linux": (
+        "/usr/lib/*-linux-gnu/libLLVM*.so*",
+        "/usr/lib/wsl/lib/libLLVM*.so*",
+        "/usr/lib64/libLLVM*.so*",
+        "/usr/lib64/llvm*/lib/libLLVM*.so*",
+        "/usr/lib/libLLVM*.so*",
+        "/usr/lib/llvm*/lib/libLLVM*.so*",
+        "/usr/local/lib/libLLVM*.so*",
+    ),
+    "darwin": (
+        "/opt/homebrew/Cellar/llvm*/*/lib/libLLVM.dylib",
+        "/opt/homebrew/opt/llvm*/lib/libLLVM.dylib",
+        "/usr/local/Cellar/llvm*/*/lib/libLLVM.dylib",
+        "/usr/local/opt/llvm*/lib/libLLVM.dylib",
+    ),
+    "win32": (r"C:\Program Files\LLVM\bin\LLVM-C.dll",),
+}
+_INSTALL_LLVM = {
+    "linux": "install it (Debian: apt install libllvm19)",
+    "darwin": "install it (brew install llvm)",
+    "win32": "install it (winget install LLVM.LLVM)",
+}
+# libLLVM-14.so.1, libLLVM.so.19.1, libLLVM-17.so, and Homebrew's .../Cellar/llvm/19.1.7/lib/...
+_VERSION_IN_NAME = re.compile(
+    r"libLLVM-(\d+)|libLLVM\.so\.(\d+)|/Cellar/llvm[^/]*/(\d+)[^/]*/lib/libLLVM\.dylib"
 )
-# libLLVM-14.so.1, libLLVM.so.19.1, libLLVM-17.so
-_VERSION_IN_NAME = re.compile(r"libLLVM(?:-|\.so\.)(\d+)")
 # LLVMGetVersion was added in LLVM 16; a library without it is older.
 _ASK_LIBRARY = """
 import ctypes, sys
@@ -81,6 +97,8 @@ def missing_library() -> str | None:
 
     Without the library, `import drjit` fails with an error that does not name it.
     """
+    if sys.platform != "linux":
+        return None
     try:
         ctypes.CDLL(_LIBATOMIC)
     except OSError:
@@ -102,7 +120,7 @@ def llvm_status() -> LlvmStatus:
     """Find the libLLVM that is or would be in use, without loading it."""
     named = os.environ.get(LLVM_VARIABLE)
     set_variable = f"set {LLVM_VARIABLE} to the file of libLLVM {OLDEST_LLVM} or newer"
-    cure = f"install it (Debian: apt install libllvm19) or {set_variable}"
+    cure = f"{_INSTALL_LLVM.get(sys.platform, 'install it')} or {set_variable}"
     loaded = _loaded_llvm()
     if loaded is not None:
         path, version = loaded
@@ -144,9 +162,9 @@ def llvm_version_of(path: Path) -> int | None:
             target = path.resolve(strict=True)
         except OSError:
             return None
-        found = _VERSION_IN_NAME.match(target.name)
+        found = _VERSION_IN_NAME.search(target.as_posix())
         if found:
-            return int(found[1])
+            return int(next(group for group in found.groups() if group))
     try:
         run = subprocess.run(
             [sys.executable, "-S", "-c", _ASK_LIBRARY, str(target)],
@@ -161,14 +179,16 @@ def llvm_version_of(path: Path) -> int | None:
 
 def _newest_llvm() -> tuple[Path | None, int | None]:
     """The system's newest libLLVM and its major version."""
-    folders = [*os.environ.get("LD_LIBRARY_PATH", "").split(":"), f"{sys.prefix}/lib"]
-    patterns = [*_LLVM_PATTERNS, *(f"{glob.escape(f)}/libLLVM*.so*" for f in folders if f)]
+    patterns = list(_LLVM_PATTERNS.get(sys.platform, ()))
+    if sys.platform == "linux":
+        folders = [*os.environ.get("LD_LIBRARY_PATH", "").split(":"), f"{sys.prefix}/lib"]
+        patterns += [f"{glob.escape(f)}/libLLVM*.so*" for f in folders if f]
     # Parts of LLVM (libLLVMCore.so, ...) and archives are no candidates.
     libraries = {
         Path(name).resolve()
         for pattern in patterns
         for name in glob.glob(pattern)
-        if re.fullmatch(r"libLLVM(-\d+)?\.so[\d.]*", Path(name).name)
+        if re.fullmatch(r"(libLLVM(-\d+)?(\.so[\d.]*|\.dylib)|LLVM-C\.dll)", Path(name).name)
     }
     versions = {path: llvm_version_of(path) for path in sorted(libraries)}
     return max(versions.items(), key=lambda item: item[1] or 0, default=(None, None))
@@ -185,7 +205,10 @@ def _loaded_llvm() -> tuple[Path | None, int | None] | None:
         named = os.environ.get(LLVM_VARIABLE)
         path = Path(named) if named else None
         return (path, llvm_version_of(path)) if path else (None, None)
-    maps = Path("/proc/self/maps").read_text()  # the files in this process's memory
+    try:  # the file in this process's memory, known on Linux only
+        maps = Path("/proc/self/maps").read_text()
+    except OSError:
+        return None, version
     found = re.search(r"/\S*libLLVM[^/\s]*$", maps, re.MULTILINE)
     return Path(found.group()) if found else None, version
 
@@ -195,7 +218,10 @@ def available_cores() -> int:
 
     It is the number in the affinity mask, limited by the processor time of a container.
     """
-    count = len(os.sched_getaffinity(0))
+    if hasattr(os, "sched_getaffinity"):
+        count = len(os.sched_getaffinity(0))
+    else:
+        count = os.cpu_count() or 1
     try:
         share, period = CGROUP_CPU_MAX.read_text(encoding="ascii").split()
         return max(min(count, math.ceil(int(share) / int(period))), 1)
