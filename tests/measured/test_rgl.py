@@ -32,7 +32,7 @@ def mitsuba_f_cos(path, wi, wo, wavelengths=None):
 
 def in_channels(brdf, wi, wo):
     """f in the channels of the file, before they become a colour."""
-    lookup = partial(brdf._lookup, measured=brdf._measured)
+    lookup = partial(brdf._interpolated, brdf._measured)
     return evaluate(lookup, brdf._measured.shape[-1], wi, wo)
 
 

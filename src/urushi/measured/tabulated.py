@@ -164,35 +164,46 @@ def fill_nearest(values: np.ndarray, valid: np.ndarray) -> None:
     without valid bins takes the nearest filled slice.
 
     Args:
-        values: contiguous (theta_h, theta_d, phi_d, channels).
+        values: (theta_h, theta_d, phi_d, channels).
         valid: bool (theta_h, theta_d, phi_d), at least one true.
     """
-    empty = np.logical_not(valid.any(axis=(1, 2)))
-    usable = valid | empty[:, None, None]
-    while not usable.all():
-        usable = _filled_once(values, usable)
-    full = np.flatnonzero(~empty)
-    for i in np.flatnonzero(empty):
-        values[i] = values[full[np.argmin(np.abs(full - i))]]
+    for slice_values, slice_valid in zip(values, valid, strict=True):
+        usable = slice_valid.copy()
+        while usable.any() and not usable.all():
+            _fill_once(slice_values, usable)
+    empty = ~valid.any(axis=(1, 2))
+    if empty.any():
+        filled = np.flatnonzero(~empty)
+        for i in np.flatnonzero(empty):
+            values[i] = values[filled[np.argmin(np.abs(filled - i))]]
 
 
-def _filled_once(values: np.ndarray, usable: np.ndarray) -> np.ndarray:
-    """Fill bins in place that have a usable one in their row or column; returns all usable ones."""
-    _, rows, columns = usable.shape
-    reachable = usable.any(axis=1, keepdims=True) | usable.any(axis=2, keepdims=True)
-    flat, missing = values.reshape(usable.size, -1), np.flatnonzero(reachable & ~usable)
-    for distance in range(1, max(rows, columns)):
-        j, k = np.divmod(missing % (rows * columns), columns)
-        sources = np.stack(  # in a row, then in a column, whose last bins stand for what is beyond
-            [
-                missing - k + (k - distance) % columns,
-                missing - k + (k + distance) % columns,
-                missing - np.minimum(distance, j) * columns,
-                missing + np.minimum(distance, rows - 1 - j) * columns,
-            ]
-        )
-        hits = usable.take(sources)
-        found = hits.any(axis=0)
-        flat[missing[found]] = flat[sources[hits.argmax(axis=0), np.arange(len(j))][found]]
-        missing = missing[~found]
-    return usable | reachable
+def _fill_once(values: np.ndarray, usable: np.ndarray) -> None:
+    """Fill the bins of a slice (theta_d, phi_d) with a usable bin in their row or column.
+
+    usable: bool (theta_d, phi_d); is updated in place.
+    """
+    count = usable.shape[1]
+    in_column, column_distance = _nearest(usable)
+    wrapped, row_distance = _nearest(np.tile(usable, (1, 3)).T)  # three periods
+    in_row = wrapped.T[:, count : 2 * count] % count
+    row_distance = row_distance.T[:, count : 2 * count]
+    by_row = row_distance <= column_distance
+    found = ~usable & np.isfinite(np.minimum(row_distance, column_distance))
+    j, k = np.nonzero(found)
+    source_j = np.where(by_row[j, k], j, in_column[j, k])
+    source_k = np.where(by_row[j, k], in_row[j, k], k)
+    values[j, k] = values[source_j, source_k]
+    usable[j, k] = True
+
+
+def _nearest(usable: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Index of the nearest usable entry along axis 0, and its distance (infinite if none is)."""
+    count = len(usable)
+    index = np.broadcast_to(np.arange(count)[:, None], usable.shape)
+    before = np.maximum.accumulate(np.where(usable, index, -3 * count), axis=0)
+    after = np.minimum.accumulate(np.where(usable, index, 3 * count)[::-1], axis=0)[::-1]
+    nearest = np.where(index - before <= after - index, before, after)
+    distance = np.abs(nearest - index).astype(np.float64)
+    missing = distance > count
+    return np.where(missing, 0, nearest), np.where(missing, np.inf, distance)
