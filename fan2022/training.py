@@ -20,7 +20,11 @@ from fan2022.preset import PaperPreset
 from fan2022.projection import project
 from urushi.train import training, workers
 from urushi.train.checkpoint import Checkpoint
-from urushi.train.tables import TableStore, generate
+from urushi.train.tables import generate
+
+
+#: wi, wo and f of a shard.
+Arrays = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def train(
@@ -77,12 +81,11 @@ def train(
         point = reached(replace(starts["projection"], networks=dict(point.state.params)))
     if point.stage == "projection":
         networks = {name: np.asarray(value) for name, value in point.networks.items()}
-        project = partial(projected, networks, preset, store)
         left = missing(preset, point.state)
-        for shard, found in tqdm(
-            workers.results(project, left, cluster), "shards", len(left), disable=None
-        ):
-            state = with_codes(point.state, preset, shard, *found)
+        tasks = ((shard, *read_shard(store, shard)) for shard in left)
+        found = workers.results(partial(projected, networks, preset), tasks, cluster)
+        for (shard, *_), result in tqdm(found, "shards", len(left), disable=None):
+            state = with_codes(point.state, preset, shard, *result)
             point = reached(replace(point, step=point.step + 1, state=state))
         point = reached(replace(starts["layering"], networks={**point.networks, **point.state}))
     if point.stage == "layering":
@@ -126,10 +129,11 @@ def beginnings(preset: PaperPreset) -> dict[str, Checkpoint]:
 
 
 def projected(
-    params: Mapping[str, Any], preset: PaperPreset, store: TableStore, shard: int
+    params: Mapping[str, Any], preset: PaperPreset, task: tuple[int, *Arrays]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The codes (M, 32) and errors (M,) [1/sr] of the BRDFs of a shard."""
-    wi, wo, f = read_shard(store, shard)
+    """The codes (M, 32) and errors (M,) [1/sr] of the BRDFs of a shard; task: its number, and its
+    arrays."""
+    _, wi, wo, f = task
     return project(params, direction_inputs(wi, wo), f, preset.arch, preset.seed)
 
 

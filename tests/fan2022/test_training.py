@@ -47,7 +47,7 @@ def test_shards_are_projected_into_their_places(tmp_path):
     store, params = generate(preset.data, tmp_path / "data", make_shard), init(0)
     start = training.beginnings(preset)["projection"].state
     assert training.missing(preset, start) == [0, 1, 2, 3]
-    result = training.projected(params, preset, store, 2)
+    result = training.projected(params, preset, (2, *read_shard(store, 2)))
     found = training.with_codes(start, preset, 2, *result)
     codes = found["codes.two-layer"]
     assert (codes != 0).all() and (found["error.two-layer"] > 0).all()
