@@ -1,6 +1,7 @@
 """The paper's training: its numbers, that it learns, and that it runs from data to weights."""
 
 import json
+from dataclasses import replace
 
 import jax
 import numpy as np
@@ -155,19 +156,6 @@ def test_the_proxy_learns_to_tell_narrow_from_wide():
 
 
 @pytest.mark.slow
-def test_an_evaluation_network_may_be_kept(tmp_path, positive):
-    """Of given networks, the others alone are trained: for a layering network on more BRDFs."""
-    arch = PaperArchitecture(steps=2, pairs=16)
-    given = networks.PaperNetworks(arch, positive, {})
-    preset = PaperPreset(TINY, arch, evaluation=given.fingerprint)
-    assert preset.data.pairs == networks.PAIRS
-    found = train(preset, run=tmp_path, evaluation=given)
-    assert found.header["preset"]["evaluation"] == given.fingerprint
-    for name, value in positive.items():
-        assert np.array_equal(value, found.params[name]) == name.startswith("evaluation."), name
-
-
-@pytest.mark.slow
 def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, monkeypatch):
     preset = PaperPreset(TINY, PaperArchitecture(steps=8, pairs=16))
     model = train(preset, data=tmp_path / "data", run=tmp_path / "whole")
@@ -181,6 +169,11 @@ def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, 
     assert stages == sorted(stages, reverse=True)  # representation, then layering
     material = Material(np.ones((1, 32)), model)
     assert (material.f([[0, 0, 1]], [[0.6, 0, 0.8]]) >= 0).all()
+    more = replace(preset, evaluation=model.fingerprint)  # trains the other networks alone
+    assert more.data.pairs == networks.PAIRS
+    others = train(more, run=tmp_path / "more", evaluation=model)
+    for name, value in model.params.items():
+        assert np.array_equal(value, others.params[name]) == name.startswith("evaluation."), name
 
     save, count = Journal.save, []
 
