@@ -22,7 +22,6 @@ from urushi.train import training, workers
 from urushi.train.checkpoint import Checkpoint
 from urushi.train.tables import generate
 
-
 #: wi, wo and f of a shard.
 Arrays = tuple[np.ndarray, np.ndarray, np.ndarray]
 
