@@ -13,9 +13,8 @@ import numpy as np
 from fan2022.architecture import ALL, LATENT, PaperArchitecture, shapes
 from fan2022.inference import direction_inputs, evaluate, isotropic, layer
 from fan2022.pairs import stratified_pairs
-from urushi import files
 from urushi.checks import CoatParameters, one_width
-from urushi.errors import FileError, ParameterError
+from urushi.errors import ParameterError
 from urushi.nets import weights
 from urushi.nets.mlp import Params
 from urushi.parallel import fill_blocks
@@ -71,21 +70,13 @@ class PaperNetworks:
         """Read a weights file of `save`.
 
         Raises:
-            FileError: as of `nets.weights.read`.
+            FileError: as of `nets.weights.read_file`.
         """
-        description, params = files.read_tensors(path, "weights", weights.FORMAT_VERSION)
-        arch, header = description.get("architecture"), description.get("header") or {}
-        found = arch.get("kind", "urushi") if isinstance(arch, dict) else "urushi"
-        if found != KIND:
-            raise FileError(
-                f"'{path}' holds networks of the system '{found}', but those of '{KIND}' are "
-                f"needed; use the functions, plugins and commands of the system '{found}' for this "
-                "file"
-            )
-        try:
-            return cls(PaperArchitecture.from_json(json.dumps(arch)), params, header)
-        except (ParameterError, TypeError, ValueError) as error:
-            raise FileError(f"the weights file '{path}' is damaged: {error}") from error
+        return weights.read_file(
+            path,
+            KIND,
+            lambda arch, *rest: cls(PaperArchitecture.from_json(json.dumps(arch)), *rest),
+        )
 
     def save(self, path: str | os.PathLike) -> "PaperNetworks":
         """Write a weights file.
@@ -93,12 +84,7 @@ class PaperNetworks:
         Raises:
             FileError: the file cannot be written.
         """
-        description = {
-            "version": weights.FORMAT_VERSION,
-            "architecture": json.loads(self.arch.to_json()),
-            "header": self.header,
-        }
-        files.write_tensors(path, "weights", description, self.params)
+        weights.write_file(path, self.arch.to_json(), self.params, self.header)
         return self
 
     def encode(self, f: Any) -> np.ndarray:

@@ -4,10 +4,10 @@ import functools
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,6 +23,11 @@ FORMAT_VERSION = 1
 #: Names of the shipped weights: files in the folder `weights`. The second are for anisotropic
 #: materials, which are made with them unless a user names others.
 DEFAULT, ANISOTROPIC = "default", "anisotropic"
+
+#: The system that files name as `kind`. Files without the entry are Urushi's own.
+KIND = "urushi"
+
+Read = TypeVar("Read")
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,36 +121,63 @@ def save(
     low, step = grid_of(rows)  # files hold the rows in 16 bits
     numbers = np.rint((rows - low) / step).astype(np.uint16)
     stored = {"basis.rows": numbers, "basis.grid": np.stack([low, step])}
-    description = {
-        "version": FORMAT_VERSION,
-        "architecture": json.loads(arch.to_json()),
-        "header": dict(header),
-    }
-    files.write_tensors(path, "weights", description, dict(model.params) | stored)
+    write_file(path, arch.to_json(), dict(model.params) | stored, header)
     return model
 
 
+def write_file(
+    path: str | os.PathLike, arch: str, params: Params, header: Mapping[str, Any]
+) -> None:
+    """Write the weights of any system to a file.
+
+    arch: the text of a JSON object; its entry `kind` names another system than Urushi's.
+    """
+    description = {
+        "version": FORMAT_VERSION,
+        "architecture": json.loads(arch),
+        "header": dict(header),
+    }
+    files.write_tensors(path, "weights", description, params)
+
+
 def read(path: str | os.PathLike) -> Model:
-    """Read a weights file that `save` wrote.
+    """Read a weights file that `save` wrote; a FileError as of `read_file`."""
+
+    def made(arch: Any, params: dict[str, np.ndarray], header: Mapping[str, Any]) -> Model:
+        if "basis.grid" in params:
+            low, step = params.pop("basis.grid")
+            params["basis.rows"] = (params["basis.rows"] * step + low).astype(np.float32)
+        return Model.of(Architecture(**arch), params, header)
+
+    return read_file(path, KIND, made)
+
+
+def read_file(
+    path: str | os.PathLike,
+    kind: str,
+    make: Callable[[Any, dict[str, np.ndarray], Mapping[str, Any]], Read],
+) -> Read:
+    """Read a weights file that `write_file` wrote.
+
+    Args:
+        path: the file.
+        kind: the system of the weights.
+        make: from the architecture's JSON value, the parameters and the header to the result.
 
     Raises:
         FileError: the file is missing, truncated, foreign, of another version or of another system,
             or its arrays do not fit its architecture.
     """
-    description, params = files.read_tensors(path, "weights", FORMAT_VERSION)
-    arch: Any = description.get("architecture")
-    if isinstance(arch, dict) and "kind" in arch:
+    description, arrays = files.read_tensors(path, "weights", FORMAT_VERSION)
+    arch = description.get("architecture")
+    found = arch.get("kind", KIND) if isinstance(arch, dict) else KIND
+    if found != kind:
         raise FileError(
-            f"'{path}' holds networks of the system '{arch['kind']}', but those of 'urushi' are "
-            f"needed; use the functions, plugins and commands of the system '{arch['kind']}' for "
-            "this file"
+            f"'{path}' holds networks of the system '{found}', but those of '{kind}' are needed; "
+            f"use the functions, plugins and commands of the system '{found}' for this file"
         )
     try:
-        if "basis.grid" in params:
-            low, step = params.pop("basis.grid")
-            params["basis.rows"] = (params["basis.rows"] * step + low).astype(np.float32)
-        header = description.get("header") or {}
-        return Model.of(Architecture(**arch), params, header)
+        return make(arch, arrays, description.get("header") or {})
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
@@ -166,10 +198,14 @@ def shipped(name: str) -> Model:
     return read(path)
 
 
-#: The shipped weights of isotropic materials, and of anisotropic ones.
-default_model, anisotropic_model = (
-    functools.partial(shipped, name) for name in (DEFAULT, ANISOTROPIC)
-)
+def default_model() -> Model:
+    """The shipped weights of isotropic materials."""
+    return shipped(DEFAULT)
+
+
+def anisotropic_model() -> Model:
+    """The shipped weights of anisotropic materials."""
+    return shipped(ANISOTROPIC)
 
 
 def check_made_with(path: str | os.PathLike, made_with: object, fingerprint: str) -> None:
