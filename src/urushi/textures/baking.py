@@ -41,7 +41,7 @@ DIFFERENCE = 0.04
 class Baked(NamedTuple):
     """Codes of a material at the nodes of its axes; C is one if all channels are alike.
 
-    Many numbers are functions, which compute them from few.
+    `rests` and `slopes` are computed when they are called: at all nodes, they take megabytes.
     """
 
     model: Model
@@ -51,12 +51,12 @@ class Baked(NamedTuple):
     channels: int  # C, number of different channels at the same place on the axes
     lobes: np.ndarray  # float32 (C, N, M) of the codes, the last axis the fastest; C maybe one
     rests: Callable[[], np.ndarray]  # float32 (C, N, K) the other numbers
+    #: From numbers (k,) of axes and then constants to the slopes of the rests by their values,
+    #: float32 (C, N, k, K). Texels have none.
+    slopes: Callable[[Sequence[int]], np.ndarray]
     faint: float = 0.0  # [1/sr] by which g of the rests is too large
     grid: TexelGrid | None = None  # of texels, if these are the nodes
     constants: tuple[str, ...] = ()  # names of the constants of which `slopes` are known, too
-    #: From numbers (k,) of axes and then constants to the slopes of the rests by their values,
-    #: float32 (C, N, k, K).
-    slopes: Callable[[Sequence[int]], np.ndarray] | None = None
 
     @classmethod
     def of_texels(cls, model: Model, codes: np.ndarray, grid: TexelGrid) -> "Baked":
@@ -64,8 +64,17 @@ class Baked(NamedTuple):
         codes = np.moveaxis(codes[:, :1] if (codes == codes[:, :1]).all() else codes, 1, 0)
         lobes, rests = np.split(codes, [model.arch.lobe], axis=-1)
         axes = tuple(Axis(name, LINEAR, 0.0, 1.0) for name in ("v", "u"))
-        functions, shape = np.empty((0, 0), np.float32), (grid.height, grid.width)
-        return cls(model, functions, axes, shape, len(rests), lobes, lambda: rests, grid=grid)
+        return cls(
+            model=model,
+            functions=np.empty((0, 0), np.float32),
+            axes=axes,
+            shape=(grid.height, grid.width),
+            channels=len(rests),
+            lobes=lobes,
+            rests=lambda: rests,
+            slopes=lambda _: rests[:, :, None][:, :, :0],
+            grid=grid,
+        )
 
     @property
     def extended(self) -> Model:
@@ -146,12 +155,24 @@ def bake(
         return np.einsum("kn,cknj->ckj", weights, rests.reshape(len(rests), *weights.shape, -1))
 
     def slopes(chosen: Sequence[int]) -> np.ndarray:
-        return np.stack([slope(k) for k in chosen], axis=2).astype(np.float32)
+        channels, _, size = found.rests.shape
+        result = np.empty((channels, len(nodes), len(chosen), size), np.float32)
+        for place, k in enumerate(chosen):
+            result[:, :, place] = slope(k)
+        return result
 
-    tops, channels = found.lobes(nodes)[None], len(found.rests)
-    rests, names = partial(rests_at, nodes), (*constants,)
-    parts = model, found.functions, own, shape, channels, tops, rests, FAINT
-    return Baked(*parts, constants=names, slopes=slopes)
+    return Baked(
+        model=model,
+        functions=found.functions,
+        axes=own,
+        shape=shape,
+        channels=len(found.rests),
+        lobes=found.lobes(nodes)[None],
+        rests=partial(rests_at, nodes),
+        slopes=slopes,
+        faint=FAINT,
+        constants=tuple(constants),
+    )
 
 
 def node_counts(

@@ -56,7 +56,7 @@ class AxisLatents(EvaluatedCodes):
         """varying: the parameters along the axes, and then constants that carry gradients."""
         self.baked, self.model, self.varying = baked, baked.model, list(varying)
         #: Numbers of the parameters that carry gradients.
-        self._sloped = [k for k, x in enumerate(varying) if x.differentiable and baked.slopes]
+        self._sloped = [k for k, x in enumerate(varying) if x.differentiable]
         self._places = LOBE[baked.model.widths]
         #: Channels of a vertex; one if all are alike.
         own = any(axis.own for axis in baked.axes)
@@ -72,9 +72,7 @@ class AxisLatents(EvaluatedCodes):
     def _store(self) -> None:
         """Store the numbers at the nodes, and their slopes, in Dr.Jit's memory."""
         model, tops, rests = self.baked.extended, self.baked.lobes, self.baked.rests()
-        changes = np.zeros((*rests.shape[:2], 0, rests.shape[-1]), np.float32)
-        if self._sloped and self.baked.slopes is not None:
-            changes = self.baked.slopes(self._sloped)
+        changes = self.baked.slopes(self._sloped)
         terms = proposal.code_terms(model.params, rests.mean(axis=0))
         if model.widths == 2:
             terms = np.append(terms, rests[..., -1:].mean(axis=0), axis=1)
@@ -209,10 +207,8 @@ class AxisLatents(EvaluatedCodes):
     def _at_nodes(self) -> np.ndarray:
         """Codes at the nodes, and then their slopes by constants: (C, N, 1 + constants, L)."""
         baked = self.baked
-        rests = baked.rests()[:, :, None]
-        if baked.constants and baked.slopes is not None:
-            slopes = baked.slopes(range(len(baked.axes), len(baked.axes) + len(baked.constants)))
-            rests = np.concatenate([rests, slopes], axis=2)
+        slopes = baked.slopes(range(len(baked.axes), len(baked.axes) + len(baked.constants)))
+        rests = np.concatenate([baked.rests()[:, :, None], slopes], axis=2)
         tops = np.zeros((*rests.shape[:3], baked.lobes.shape[-1]), np.float32)
         tops[:, :, 0] = baked.lobes
         return np.concatenate([tops, rests], axis=-1)
