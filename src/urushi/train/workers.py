@@ -26,7 +26,9 @@ DEPTH = 2
 PACKAGES = ("urushi", "numpy", "drjit")
 
 #: The environment of a worker, which has one core: JAX is slower by half with more threads there.
-ENVIRONMENT = {"XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false"}
+ENVIRONMENT = {
+    "XLA_FLAGS": f"{os.environ.get('XLA_FLAGS', '')} --xla_cpu_multi_thread_eigen=false".strip()
+}
 
 #: Seconds to wait for a scheduler.
 PATIENCE = 20
