@@ -15,9 +15,10 @@ class PaperPreset:
     """Neural Layered BRDFs (Fan et al. 2022, section 4), trained as published or smaller.
 
     `scale` is the share of the paper's 2.3e11 training samples: BRDFs and epochs shrink by its
-    fourth root, direction pairs by its square root. The total decay of the rates stays the same.
-    The latents' rate is raised by the inverse square root of scale, at most a hundredfold, because
-    the latents would otherwise stay near their initial value in the few steps.
+    fourth root, direction pairs by its square root. The incoming directions of the sampling
+    network's histograms shrink by its power of 1.5, to no less than 12. The total decay of the
+    rates stays the same. The latents' rate is raised by the inverse square root of scale, at most a
+    hundredfold, because the latents would otherwise stay near their initial value in the few steps.
 
     With `evaluation`, the fingerprint of networks whose evaluation network is kept, BRDFs are only
     projected. They have the 4,096 pairs of the authors' projection then, at all scales.

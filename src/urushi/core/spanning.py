@@ -1,15 +1,17 @@
-"""Some of many rows, of which all others are sums."""
+"""The choice of a few rows, from which all others can be composed."""
 
 import numpy as np
 
 
 def spanning(rows: np.ndarray, enough: float, most: int) -> tuple[list[int], np.ndarray]:
-    """Rows whose sums are all rows, up to a norm of `enough`, and at most so many.
+    """Choose rows until every row is nearly a linear combination of the chosen ones.
 
-    The next row is always the farthest from sums of the chosen ones.
+    The next row is the one that is farthest from all linear combinations of those before.
 
     Args:
         rows: (M, P).
+        enough: distance from which on a row is near enough.
+        most: largest number of chosen rows.
 
     Returns:
         Indices (n,) of the chosen rows, and the coordinates float64 (n, M) of all rows along n
