@@ -59,6 +59,10 @@ def upper_index(value: float) -> dict:
     return coated(below, sigma_t=0.5, albedo=0.8, int_ior=value, ext_ior=1.0)
 
 
+def slab(alpha: float, sigma_t: float, albedo: float = 0.8) -> dict:
+    return {"type": "neural_layered", "alpha": alpha, "sigma_t": sigma_t, "albedo": albedo}
+
+
 def medium(albedo: float, sigma_t: float) -> dict:
     return coated({"type": "diffuse"}, alpha=0.3, albedo=albedo, sigma_t=sigma_t)
 
@@ -96,6 +100,9 @@ SLOPES = {
     ),
     "two indices": (upper_index, 1.4, "eta", (-0.05, 0.05)),
     "white medium": (lambda x: medium(x, 5.0), 1.0, "albedo.value", (-0.002, -0.001, 0)),
+    "width of a slab": (lambda x: slab(x, 1.0), 0.2, "alpha.value", (-0.02, 0.02)),
+    "depth of a slab": (lambda x: slab(0.2, x), 0.5, "sigma_t.value", (-0.05, 0.05)),
+    "white slab": (lambda x: slab(0.2, 2.0, x), 1.0, "albedo.value", (-0.02, -0.01, 0)),
     "no medium": (lambda x: medium(0.0, x), 0.0, "sigma_t.value", (0, 0.01, 0.02)),
 }
 

@@ -44,7 +44,7 @@ DIFFUSE = 0.1
 Indices = tuple[float, float]
 
 #: Alpha and eta of the first interface on either side.
-Faces = tuple[tuple[float, float], tuple[float, float]]
+Faces = Sequence[tuple[Any, Any]]
 
 #: Index of the medium above, width, and eta of interfaces inside a slab.
 InnerLobes = Sequence[tuple[float, float, float]]
@@ -59,8 +59,8 @@ def grazing_factor(above: Any, below: Any, faces: Faces, xp: Namespace) -> Any:
     result = 1 + 0 * above.z
     for w, (alpha, eta) in zip((above, below), faces, strict=True):
         if eta > 1:
-            tilted = xp.sqrt(w.z * w.z + float(alpha) ** 2 * (1 - w.z * w.z))
-            result = result * (1 - fresnel.dielectric(tilted, float(eta), xp)[0])
+            tilted = xp.sqrt(w.z * w.z + alpha * alpha * (1 - w.z * w.z))
+            result = result * (1 - fresnel.dielectric(tilted, eta, xp)[0])
     return result
 
 

@@ -53,11 +53,11 @@ from urushi.walk import interface
 #: Colours that are white where losses are measured.
 COLORS = ("coat_color", "transmission_color", "specular_color")
 
+#: Widths of interfaces, by which tables have derivatives, as by colours.
+ROUGHNESSES = ("specular_roughness", "coat_roughness")
+
 #: Parameters on which the light that slabs lose does not depend.
 LOSSLESS = {*COLORS, *SHARES, "coat_weight"}
-
-#: Parameters that the tables of slabs hold as constants.
-TABULATED = ("specular_roughness", "transmission_color", "coat_roughness", "coat_ior", "coat_color")
 
 #: The parameters of panes.
 OF_PANES = ("specular_roughness", "specular_roughness_anisotropy", "transmission_color", *INDICES)
@@ -90,8 +90,8 @@ class Slab(OfInputs):
         inputs = self._inputs
         self._transmit(None if inputs.thin else index_of(inputs))
         self._slab = self._made(inputs)
-        colors = COLORS if self._is_table(inputs) and not mi.is_spectral else ()
-        self.fixed = {*self.names} - {*colors}
+        differentiable = (*COLORS, *ROUGHNESSES) if self._is_table(inputs) else ()
+        self.fixed = {*self.names} - {*differentiable}
         self._measure()
 
     def _made(self, inputs: Inputs) -> "mi.BSDF":
@@ -99,11 +99,11 @@ class Slab(OfInputs):
         return load_part(inputs, slab_of(inputs, self._coated) | plugin)
 
     def _is_table(self, inputs: Inputs) -> bool:
-        """Whether it is a table: where it is constant, also by no bitmap, and isotropic."""
+        """Whether it is a table: where it is isotropic, and its indices are constant."""
         isotropic = all(inputs.is_constant(f"{x}_roughness_anisotropy", 0) for x in self._layers)
-        given = [inputs.textures[x] for x in (TABULATED if self._coated else TABULATED[:2])]
-        varying = any(x.is_spatially_varying() or varies(x) for x in given)
-        return self._coating.tables and isotropic and not varying
+        index = inputs.textures["coat_ior"]
+        one_index = not (self._coated and (index.is_spatially_varying() or varies(index)))
+        return self._coating.tables and isotropic and one_index
 
     def _measure(self):
         """Measure the light that it loses, unless it stays lost."""
@@ -267,8 +267,8 @@ class Body(Blend):
             if has_gradients(self._inputs.textures[name]):
                 raise ParameterError(
                     f"{self._inputs.where}: {name} carries gradients, but panes and coats on what "
-                    "transmits light have derivatives by transmission_color and coat_color alone, "
-                    "and by walks or of spectra none; disable them"
+                    "transmits light have derivatives by colours and roughness alone, and by walks "
+                    "none; disable them"
                 )
         if self._inputs.refresh() or index_of(self._inputs) != self._ior:
             self._configure()

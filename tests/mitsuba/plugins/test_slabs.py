@@ -141,10 +141,12 @@ REFUSALS = {
     ],
     "neural_layered": [
         (CLEAR, "no interface bends light through this slab"),
-        ({"sigma_t": NOISE}, "sigma_t is a texture, but the tables of a slab are of constants; us"),
         ({"alpha_u": 0.1, "alpha_v": 0.2}, "for one width of each interface; use the plugin"),
         ({"base": GLASS | {"alpha_u": 0.1, "alpha_v": 0.2}}, "for one width of each interface"),
-        ({"base": GLASS | {"alpha": NOISE}}, "alpha is a texture, but the tables of a slab"),
+        (
+            {"int_ior": NOISE | {"color0": 1.3, "color1": 1.5}, "base": GLASS | {"int_ior": 1.6}},
+            "an index of refraction varies, but tables of a slab are of constant ones; use the",
+        ),
         ({"alpha": 2.0}, "alpha is 2; it must be a GGX width"),
     ],
 }
@@ -190,15 +192,99 @@ def test_a_coat_of_the_glass_s_own_index_is_its_surface(rgb, sigma_t):
         np.testing.assert_allclose(found, expected * left, rtol=2e-3, atol=1e-5)
 
 
-def test_tables_are_small_and_refuse_other_gradients(rgb):
+def halves(low, high) -> dict:
+    """A bitmap of two texels, from the middle of one to that of the other: uv 0.25 to 0.75."""
+    texels = np.broadcast_to(
+        np.array([low, high], np.float32).reshape(1, 2, -1), (2, 2, np.size(low))
+    )
+    return {"type": "bitmap", "bitmap": mi.Bitmap(texels.copy()), "raw": True}
+
+
+#: Slabs, and the values of their textures at two texels, near the ends of their ranges.
+TEXTURED = {
+    "depth": (SLABS["paper"], {"sigma_t": (0.0, 6.0)}),
+    "colour": (SLABS["paper"], {"albedo": ((0.05, 0.5, 0.99), (0.9, 0.1, 0.6))}),
+    "width": (SLABS["paper"], {"alpha": (0.02, 0.8)}),
+    "asymmetry": (SLABS["a medium on a pane"], {"g": (-0.8, 0.8)}),
+    "two on a body": (SLABS["body"], {"sigma_t": ((0.1, 1, 3), (3, 1, 0.1)), "alpha": (0.05, 0.4)}),
+    "glass": (SLABS["body"], {"base": GLASS | {"int_ior": 1.5, "alpha": (0.05, 0.5)}}),
+}
+
+
+def at_share(values, share: float):
+    """A slab's properties between those of two texels, as constants."""
+    if isinstance(values, dict):
+        return {k: at_share(x, share) for k, x in values.items()}
+    if not isinstance(values, tuple):
+        return values
+    low, high = (np.array(x, float) for x in values)
+    value = low + (high - low) * share
+    return {"type": "rgb", "value": value.tolist()} if value.ndim else float(value)
+
+
+def with_textures(values):
+    if isinstance(values, dict):
+        return {k: with_textures(x) for k, x in values.items()}
+    return halves(*values) if isinstance(values, tuple) else values
+
+
+@pytest.mark.parametrize("name", TEXTURED)
+def test_a_textured_slab_is_a_constant_one_everywhere(rgb, name):
+    """Also between texels, and on both sides, where it is the slab of the mean parameter."""
+    slab, values = TEXTURED[name]
+    textured = load(rgb, slab | with_textures(values), "neural_layered")
+    si, to = all_sides(512)
+    crosses = si.wi.z.numpy() * to.z.numpy() < 0
+    for share in (0.0, 0.4, 0.7):
+        constant = load(rgb, slab | at_share(values, share), "neural_layered")
+        si.uv = rgb.Point2f(0.25 + 0.5 * share, 0.5)
+        found, expected = (
+            bsdf.eval(rgb.BSDFContext(), si, to).numpy() for bsdf in (textured, constant)
+        )
+        for lanes in (crosses, ~crosses):
+            error = np.abs(found - expected)[:, lanes].sum()
+            assert error < 0.01 * expected[:, lanes].sum()
+
+
+def test_a_textured_slab_is_the_walk(rgb):
+    """Half-way between two texels, of which means of f would be far off."""
+    slab, values = TEXTURED["depth"]
+    bsdf = load(rgb, slab | with_textures(values), "neural_layered")
+    si, to = all_sides(64)
+    si.uv = rgb.Point2f(0.5, 0.5)
+    wi, wo = si.wi.numpy().T, to.numpy().T
+    described = urushi.slab(0.4, 1.4, **MEDIUM | {"sigma_t": 3.0})
+    options = {"walks": 1 << 12, "progress": False}
+    expected, _ = urushi.simulate(described, wi, wo, **options)
+    expected = expected[:, 0] * np.abs(wo[:, 2])
+    found = bsdf.eval(rgb.BSDFContext(), si, to).numpy()[0]
+    assert np.abs(found - expected).sum() < 0.05 * expected.sum()
+
+
+def test_samples_of_a_textured_slab_follow_the_density(rgb):
+    slab, values = TEXTURED["glass"]
+    sampling.check(load(rgb, slab | with_textures(values), "neural_layered"), ANGLES, 1, 1.5)
+
+
+def test_tables_stay_while_textures_are_within_their_ranges(rgb):
+    bsdf = load(rgb, SLABS["pane"] | {"sigma_t": halves(0.1, 2.0)}, "neural_layered")
+    parameters, before = rgb.traverse(bsdf), bsdf._slabs
+    parameters["sigma_t.data"] = 0.5 + 0.5 * parameters["sigma_t.data"]
+    parameters.update()
+    assert bsdf._slabs is before
+    parameters["sigma_t.data"] = 3 * parameters["sigma_t.data"]
+    parameters.update()
+    assert bsdf._slabs is not before
+
+
+def test_tables_are_small_and_refuse_gradients_by_indices(rgb):
     bsdf = load(rgb, SLABS["pane"], "neural_layered")
-    held = [*bsdf._reflected, bsdf._passed]
-    assert all(dr.type_v(table) == dr.VarType.Float16 for table in held)
-    assert 2 * sum(map(len, held)) <= 1e6
+    assert all(dr.type_v(table) == dr.VarType.Float16 for table in bsdf._tables)
+    assert 2 * sum(map(len, bsdf._tables)) <= 1e6
     parameters = rgb.traverse(bsdf)
-    dr.enable_grad(parameters["alpha.value"])
-    parameters.set_dirty("alpha.value")
-    with pytest.raises(ParameterError, match="neural_layered: a parameter carries gradients, but"):
+    dr.enable_grad(parameters["eta"])
+    parameters.set_dirty("eta")
+    with pytest.raises(ParameterError, match="neural_layered: an index of refraction varies, but"):
         parameters.update()
 
 

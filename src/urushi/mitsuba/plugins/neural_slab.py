@@ -1,6 +1,9 @@
 """The plugin `neural_layered` over what transmits light: a slab by tables, without noise."""
 
-from typing import Any
+import itertools
+import math
+from functools import partial
+from typing import Any, ClassVar, NoReturn
 
 import drjit as dr
 import mitsuba as mi
@@ -9,7 +12,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
-from urushi.core.table import MIN_COSINE
+from urushi.core.table import MIN_COSINE, SHAPE, coordinates
 from urushi.errors import ParameterError
 from urushi.material.slab_coordinates import (
     PASSED_SHAPE,
@@ -17,26 +20,22 @@ from urushi.material.slab_coordinates import (
     mirrored_inside,
     passed_coordinates,
 )
-from urushi.material.slab_table import SlabTables, slab_tables
+from urushi.material.slab_table import SlabTables
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.plugins.coated import CoatedSurface
 from urushi.mitsuba.plugins.stack import CoatStack, width
-from urushi.mitsuba.reading.grid import varying_textures
-from urushi.mitsuba.recording import only_where, opaque, owned
-from urushi.mitsuba.snapshot import has_gradients
-from urushi.mitsuba.tables import Interpolated, interpolated, padded, stored, tabulated
+from urushi.mitsuba.reading.slab_layers import SlabLayers
+from urushi.mitsuba.recording import only_where
+from urushi.mitsuba.snapshot import is_attached, writable
+from urushi.mitsuba.tables import Interpolated, Numbers, interpolated, stored
+from urushi.textures.axes import Axis, Varying, simplex
+from urushi.textures.slabs import AXES, Slabs, bake
 from urushi.walk import interface
 
 #: Quantiles of the half angles at which lobes are sampled, and the weights of these lobes and of a
 #: cosine lobe. The first is for a narrow lobe that has a small part of the light.
 QUANTILES, WEIGHTS = (0.03, 0.25, 0.5, 0.8), (0.12, 0.3, 0.28, 0.2, 0.1)
-
-#: Rows of media that can be differentiated, and their largest value.
-LARGEST = {"albedo": 1, "sigma_t": np.inf}
-
-#: Half of the step of a difference, relative to 1 + the number.
-STEP = 0.02
 
 #: Cosines for which proposals are computed, and the least and largest share of reflected samples.
 ELEVATIONS, SHARES = 33, (0.03, 0.97)
@@ -63,128 +62,168 @@ def _lobes(tables: SlabTables) -> np.ndarray:
 
 
 class NeuralSlab(CoatedSurface):
-    """A slab of constant parameters; see ``layered``."""
+    """A slab by tables, along the axes of what varies; see ``layered``."""
+
+    UNRECORDED: ClassVar = ("_layers", "_baked", "_slabs")
+    _baked: SlabLayers | None = None  # the layers of which there are tables
 
     def _prepare(self):
         """Compute the tables."""
         super()._prepare()
-        reason, coats = None, self.coats
-        layers: list[Any] = [*coats] if self.lowest is None else [*coats, self.lowest]
-        if any(x.is_anisotropic for x in layers) or any(x.coloured for x in coats):
-            reason = "a slab has a table for one width of each interface"
-        for name, texture in (item for layer in layers for item in layer.textures.items()):
-            if varying_textures(texture):
-                reason = f"{name} is a texture, but the tables of a slab are of constants"
-        if reason is not None:
-            raise ParameterError(
-                f"{self._where}: {reason}; use the plugin 'layered', which walks through any"
-            )
-        rows = [coat.layering(spectrum.MIDDLE) for coat in coats]
-        si = dr.zeros(mi.SurfaceInteraction3f)
-        far = self._lowest_at(CoatStack(coats, si, True), si, True)
-        interfaces = [(*row.alpha.flat, *row.eta.flat) for row in rows]
-        interfaces.append((float(far.alpha[0]), float(far.eta[0])))
-        channels = max(x.size for row in rows for x in row[2:])
-        media = np.array([[np.broadcast_to(x.ravel(), channels) for x in row[2:]] for row in rows])
-        tables = slab_tables(np.array(interfaces), media)
-        above, below = tables.reflected
-        wanted = has_gradients(self)
-        sides = (above, below) if wanted or above is not below else (above,)
-        self._reflected = [stored(np.asarray(side.table), not wanted) for side in sides]
-        self._knots, self._channels = [side.knots for side in sides], channels
-        self._passed = stored(tables.passed, not wanted)
-        self._indices, self._surfaces = tables.indices, tables.faces
-        self._depths = [[opaque(x) for x in side] for side in tables.depths.tolist()]
-        self._interreflection = tables.inner
-        self._lobes = Interpolated(_lobes(tables))
-        self._attach(np.array(interfaces), media)
+        layers: list[Any] = [*self.coats] if self.lowest is None else [*self.coats, self.lowest]
+        if any(x.is_anisotropic for x in layers) or any(x.coloured for x in self.coats):
+            self._refuse("a slab has a table for one width of each interface")
+        attached = (key for key, value in writable(self) if is_attached(value))
+        if any(any(coat.changing_indices) for coat in self.coats) or any(
+            x.endswith("eta") for x in attached
+        ):
+            self._refuse("an index of refraction varies, but tables of a slab are of constant ones")
+        coats = CoatStack(self.coats, si := dr.zeros(mi.SurfaceInteraction3f), True)
+        beyond = self._lowest_at(coats, si, True)
+        lowest = {} if self.lowest is None else self.lowest.textures
+        with dr.suspend_grad():
+            alpha, eta = float(beyond.alpha[0]), float(beyond.eta[0])
+            now = SlabLayers(self.coats, lowest, (alpha, eta))
+            if self._baked is None or not now.lie_within(self._baked):
+                self._baked, self._slabs = now, self._bake(now)
+        self._layers = now
+        count, every = len(now.axes), [*now.axes, *now.constants]
+        chosen = [k for k, x in enumerate(every) if x.differentiable]
+        self._sloped = [every[k] for k in chosen]
+        slopes = self._slabs.slopes[:, :, chosen]
+        for place, k in enumerate(chosen):
+            if k >= count:
+                slopes[:, :, place] /= now.share(every[k])[:, None, None]
+        self._slopes = Numbers(slopes.reshape(math.prod(slopes.shape[:2]), -1)) if chosen else None
 
-    def _attach(self, interfaces: np.ndarray, media: np.ndarray):
-        """Add derivatives by albedo and sigma_t to the tables: differences of two slabs.
+    def _refuse(self, reason: str) -> NoReturn:
+        raise ParameterError(
+            f"{self._where}: {reason}; use the plugin 'layered', which walks through any"
+        )
 
-        Channels do not mix: those of a colour change together.
-        """
-        si, found = dr.zeros(mi.SurfaceInteraction3f), []
-        for level, coat in enumerate(self.coats):
-            for name, numbers in coat.at(si).items():
-                if dr.grad_enabled(numbers):
-                    found.append((level, name, numbers))
-        wrong = has_gradients(self) and not found
-        if wrong or (mi.is_spectral and found) or any(x[1] not in LARGEST for x in found):
-            raise ParameterError(
-                f"{self._where}: a parameter carries gradients, but tables of slabs have "
-                "derivatives by albedo and sigma_t only, and none of spectra; disable others"
-            )
-        for level, name, numbers in found:
-            row, ends = list(LARGEST).index(name), np.stack([media, media])
-            moved = media[level, row] + np.array([[-STEP], [STEP]]) * (1 + media[level, row])
-            ends[:, level, row] = moved.clip(0, LARGEST[name])
-            low, high = (slab_tables(interfaces, end) for end in ends)
-            step = (ends[1] - ends[0])[level, row]
+    def _bake(self, layers: SlabLayers) -> Slabs:
+        if len(layers.axes) > AXES:
+            self._refuse(f"{len(layers.axes)} parameters vary, but a slab has tables along {AXES}")
+        axes = [x.axis for x in layers.axes]
+        slabs = bake(axes, layers.changes, layers.at, _lobes)
+        functions = *slabs.reflected, slabs.passed
+        self._tables = [stored(x.table, True) for x in functions]
+        first, self._faint = slabs.first, slabs.faint
+        self._etas = [eta for _, eta in first.faces]
+        self._below_faces = [[(index, eta) for index, _, eta in side] for side in first.inner]
+        self._knots = [side.knots for side in first.reflected]
+        self._indices = first.indices
+        sizes = [slabs.roots, *(x.terms for x in functions)]
+        self._parts = np.cumsum(sizes)[:-1].tolist()
+        self._nodes, self._channels = math.prod(slabs.shape), len(slabs.numbers)
+        flat = slabs.numbers.reshape(-1, slabs.numbers.shape[-1])
+        self._numbers = Numbers(flat)
+        self._lobes = Interpolated(slabs.lobes)
+        self._ranges = [[mi.Float(x) for x in axis.numbers] for axis in axes]
+        self._axes = [axis.scale for axis in axes], slabs.shape
+        dr.make_opaque(self._ranges)
+        return slabs
 
-            changes = [number - dr.detach(number) for number in numbers]
-            changes *= len(step) // len(numbers)
+    def _vertex(self, si, active):
+        """Numbers of each channel, their slopes, and those of lobes; without gradients."""
+        with_lengths = [self._read(x, si, active) for x in self._layers.axes]
+        values = [[dr.detach(x) for x in part] for part in with_lengths]
+        lengths = [len(self._read(x, si, active)) for x in self._layers.constants]
+        channels = max([self._channels, *map(len, values), *lengths])
+        return only_where(active, partial(self._at_place, channels), values, si.wi)
 
-            def change(a, b, step=step, changes=changes):
-                slopes = padded((b.astype(np.float32) - a) / step)
-                channel = dr.arange(mi.UInt32, slopes.size) % slopes.shape[-1]
-                total = mi.Float(0)
-                for c, number in enumerate(changes):
-                    total += dr.select(channel == c, number, 0)
-                return total * owned(mi.Float, slopes)
+    def _read(self, part: Varying, si, active) -> list:
+        """The values of a parameter, in spectral variants those of red, green and blue."""
+        seen = mi.SurfaceInteraction3f(si)
+        return spectrum.at_bands(seen, lambda: part.read(seen, active))
 
-            reflected = zip(self._reflected, low.reflected, high.reflected, strict=False)
-            self._reflected = [x + change(a.table, b.table) for x, a, b in reflected]
-            self._passed = self._passed + change(low.passed, high.passed)
-            slopes = (high.depths - low.depths) / step
-            self._depths = [
-                [x + slope * y for x, slope, y in zip(*side, changes, strict=True)]
-                for side in zip(self._depths, slopes.tolist(), strict=True)
+    def _at_place(self, channels: int, values: list[list], wi) -> list:
+        coordinates = [
+            [Axis("", scale, 0, 0).coordinate(x, DRJIT, numbers) for x in part]
+            for scale, part, numbers in zip(self._axes[0], values, self._ranges, strict=True)
+        ]
+        numbers, slopes = [], []
+        for c in range(channels):
+            own = [x[min(c, len(x) - 1)] for x in coordinates]
+            first = min(c, self._channels - 1) * self._nodes
+            corners = [
+                (node + first, weight)
+                for node, weight in simplex(self._axes[1], own, mi.UInt32, DRJIT)
             ]
+            numbers.append(self._numbers.at(corners))
+            slopes.append(self._slopes.at(corners) if self._slopes else [])
+        places = [sum(x) * (1 / len(x)) for x in coordinates]
+        side = dr.select(wi.z > 0, mi.Float(0), 1)
+        return [numbers, slopes, self._lobes([dr.sqrt(dr.abs(wi.z)), side, *places[::-1]])]
+
+    def _attached(self, vertex, si, active) -> list[list]:
+        """The numbers of each channel with the gradients of the parameters."""
+        numbers, slopes, _ = vertex
+        values = [self._read(x, si, active) for x in self._sloped]
+        if dr.grad_enabled(values):
+            # Outside of calls, in which Dr.Jit 1.5 counts gradients of single numbers several times
+            changes = [[x - dr.detach(x) for x in part] for part in values]
+            for c, slope in enumerate(slopes):
+                for k, change in enumerate(changes):
+                    own = slope[k * len(numbers[c]) : (k + 1) * len(numbers[c])]
+                    by = change[min(c, len(change) - 1)]
+                    numbers[c] = [dr.fma(by, x, y) for x, y in zip(own, numbers[c], strict=True)]
+        ends = [*itertools.pairwise([0, *self._parts, None])]
+        return [[own[a:b] for a, b in ends] for own in numbers]
+
+    def _reflected(self, a, b, upper, numbers: list[list]) -> list:
+        """f of each channel on the upper or the lower side, for directions above the horizon."""
+        widths = [dr.square(x) for x in numbers[0][0][2:]]
+        count, inner = len(self._below_faces[0]), []
+        for k, ((i, e), (j, f)) in enumerate(zip(*self._below_faces, strict=True)):
+            width = dr.select(upper, widths[2 + k], widths[2 + count + k])
+            inner.append((dr.select(upper, i, j), width, dr.select(upper, e, f)))
+        alpha, eta = (dr.select(upper, *pair) for pair in (widths[:2], self._etas))
+        functions = [
+            interpolated(
+                own, SHAPE, [dr.clip(x, 0, 1) for x in coordinates(a + b, a - b, DRJIT, k)]
+            )
+            for own, k in zip(self._tables[:-1], self._knots, strict=False)
+        ]
+        factor, lobe = mirrored_inside(a, b, inner, DRJIT), interface.reflection(a, b, alpha, eta)
+        inverse, found = dr.rcp(a.z) + dr.rcp(b.z), []
+        for roots, *own, _ in numbers:
+            rests = [self._of_sum(*x) for x in zip(functions, own, strict=True)]
+            depth = dr.square(dr.select(upper, *roots[:2]))
+            rest = dr.select(upper, rests[0], rests[-1])
+            found.append(rest * factor + lobe * dr.exp(-depth * inverse))
+        return found
+
+    def _passed(self, above, below, numbers: list[list]) -> list:
+        """f of each channel that crosses the slab, without the square of its index."""
+        places = passed_coordinates(above, below, self._indices, DRJIT)
+        functions = interpolated(self._tables[-1], PASSED_SHAPE, [dr.clip(x, 0, 1) for x in places])
+        widths = [dr.square(x) for x in numbers[0][0][2:4]]
+        faces = [*zip(widths, self._etas, strict=True)]
+        scale = grazing_factor(above, below, faces, DRJIT)
+        return [self._of_sum(functions, own) * scale for *_, own in numbers]
+
+    def _of_sum(self, functions: list, numbers: list):
+        """f of a table's functions and a channel's numbers."""
+        log = functions[0]
+        for function, number in zip(functions[1:], numbers, strict=False):
+            log = dr.fma(function, number, log)
+        return dr.maximum(dr.exp(log) - self._faint, 0) if self._faint else dr.exp(log)
 
     def _f(self, vertex, ctx, si, wo, active):
-        inside, up = above_surface(si), raised(wo)
-        upper = si.wi.z > 0
-
-        def of_side(pairs):
-            return [dr.select(upper, *pair) for pair in zip(*pairs, strict=True)]
-
-        def reflected(a, b, upper, face, inner, depths):
-            sides = zip(self._reflected, self._knots, strict=True)
-            rests = [tabulated(x, self._channels, a, b, knots) for x, knots in sides]
-            rests = [dr.select(upper, x[0], x[-1]) for x in zip(*rests, strict=True)]
-            factor, inverse = mirrored_inside(a, b, inner, DRJIT), dr.rcp(a.z) + dr.rcp(b.z)
-            lobe = interface.reflection(a, b, *face)
-            return [
-                rest * factor + lobe * dr.exp(-depth * inverse)
-                for rest, depth in zip(rests, depths, strict=True)
-            ]
-
-        numbers = (
-            upper,
-            of_side(self._surfaces),
-            [of_side(pairs) for pairs in zip(*self._interreflection, strict=True)],
-            of_side(self._depths),
-        )
-        channels = only_where(active, reflected, inside.wi, up, *numbers)
-
-        def passed(a, b):
-            places = passed_coordinates(a, b, self._indices, DRJIT)
-            logs = interpolated(self._passed, PASSED_SHAPE, [dr.clip(x, 0, 1) for x in places])
-            scale = grazing_factor(a, b, self._surfaces, DRJIT)
-            return [dr.exp(log) * scale for log in logs[: self._channels]]
-
+        numbers = self._attached(vertex, si, active)
+        inside, up, upper = above_surface(si), raised(wo), si.wi.z > 0
+        reflected = only_where(active, self._reflected, inside.wi, up, upper, numbers)
         pair = dr.select(upper, inside.wi, up), dr.select(upper, up, inside.wi)
-        through = only_where(active, passed, *pair)
+        through = only_where(active, self._passed, *pair, numbers)
         side = wo if ctx.mode == mi.TransportMode.Importance else si.wi
         scale = dr.select(side.z < 0, dr.square(self._index), 1)
         crosses = si.wi.z * wo.z < 0
-        found = [dr.select(crosses, t * scale, r) for t, r in zip(through, channels, strict=True)]
+        found = [dr.select(crosses, t * scale, r) for t, r in zip(through, reflected, strict=True)]
         return spectrum.from_channels(found, si.wavelengths)
 
     def _proposal(self, vertex, si, active):
-        sides = [self._lobes([dr.sqrt(dr.abs(si.wi.z)), side]) for side in (0.0, 1.0)]
-        reflected, *widths = (dr.select(si.wi.z > 0, *pair) for pair in zip(*sides, strict=True))
+        reflected, *widths = vertex[-1]
         count = len(QUANTILES)
         near, far = (Mixture(WEIGHTS, part) for part in (widths[:count], widths[count:]))
         return SlabMixture(near, far, reflected, self._index_across(si.wi))

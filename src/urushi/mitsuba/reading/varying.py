@@ -102,7 +102,7 @@ def varying_parameters(
     else:
         below = [x._replace(axis=x.axis._replace(name=_below(x.axis.name))) for x in known]
     inside = [INSIDE] if relative and all(coat.changing_indices) else []
-    found = *_of_coat(coat, [*coat.names, *inside]), *below
+    found = *of_coat(coat, [*coat.names, *inside]), *below
     return list({x.axis.name: x for x in found}.values())
 
 
@@ -111,7 +111,7 @@ def _below(name: str) -> str:
     return name if name == WAVELENGTH else BOTTOM + name
 
 
-def _of_coat(coat: CoatTextures, names: Sequence[str]) -> list[Varying]:
+def of_coat(coat: CoatTextures, names: Sequence[str]) -> list[Varying]:
     """The parameters of a coat that vary or carry gradients, among some."""
     found = []
     for name in names:
@@ -133,7 +133,7 @@ def _of_coat(coat: CoatTextures, names: Sequence[str]) -> list[Varying]:
         ends = range_of(read, own, whole, own == [coat.textures.get(name)])
         coloured = name in ("albedo", "sigma_t", "g", *coat.coloured) and any(map(_coloured, own))
         axis = Axis(name, scale, *ends, coloured)
-        found += _varying(axis, whole if gradient else None, read, own)
+        found += parameter_along(axis, whole if gradient else None, read, own)
     return found
 
 
@@ -168,7 +168,7 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
         check = finite_number if scale == LINEAR else nonnegative
         check(ends, f"{where}: a texel of the nested BSDF's {name}", any_shape=True)
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
-        found += _varying(axis, whole if gradient else None, read, [texture], texture)
+        found += parameter_along(axis, whole if gradient else None, read, [texture], texture)
     return found
 
 
@@ -185,11 +185,11 @@ def _numbers_of_bottom(bottom: "mi.BSDF") -> list[Varying]:
 
         scale, now = WIDTH if last == "alpha" else LINEAR, float(np.ravel(value)[0])
         whole = RANGES[WIDTH] if scale == WIDTH else (0.0, np.inf)
-        found += _varying(Axis(BOTTOM + key, scale, now, now), whole, read, [])
+        found += parameter_along(Axis(BOTTOM + key, scale, now, now), whole, read, [])
     return found
 
 
-def _varying(
+def parameter_along(
     axis: Axis,
     whole: tuple[float, float] | None,
     read: Callable,

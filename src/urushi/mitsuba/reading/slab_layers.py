@@ -1,0 +1,147 @@
+"""The layers of a slab, of which some parameters vary over a surface or carry gradients."""
+
+from collections.abc import Mapping, Sequence
+
+import mitsuba as mi
+import numpy as np
+import numpy.typing as npt
+
+from urushi.checks import MIN_ALPHA
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.reading.grid import varying_textures
+from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.mitsuba.reading.ranges import range_of
+from urushi.mitsuba.reading.varying import CHANGES, RANGES, agree, joined, of_coat, parameter_along
+from urushi.mitsuba.snapshot import has_gradients
+from urushi.textures.axes import WIDTH, Axis, Changes, Varying
+
+#: Ranges of widths, and of the rows of media.
+WIDTHS = MIN_ALPHA, 1.0
+MEDIUM = {"albedo": (0.0, 1.0), "sigma_t": (0.0, np.inf), "g": (-0.999, 0.999)}
+
+
+class SlabLayers:
+    """The layers of a slab as functions of the parameters that vary.
+
+    Attributes:
+        axes: the parameters along axes.
+        constants: those that carry gradients and do not vary.
+    """
+
+    def __init__(
+        self,
+        coats: Sequence[CoatTextures],
+        lowest: Mapping[str, "mi.Texture"],
+        beyond: tuple[float, float],
+    ):
+        """Read the parameters.
+
+        coats: from top to bottom, of one width and one index each.
+        lowest: the texture of the width of the last interface; empty: it is that of the last coat.
+        beyond: alpha and eta of the last interface.
+        """
+        parts = [(x, level) for level, coat in enumerate(coats) for x in _of_coat(coat)]
+        parts += [(x, len(coats)) for x in _of_interface(lowest)]
+        names = [x.axis.name for x, _ in parts]
+        named = [
+            x._replace(axis=x.axis._replace(name=f"{level} {x.axis.name}")) for x, level in parts
+        ]
+        every = joined(named)
+        self._places = {
+            x.axis.name: (level, name)
+            for x, name, (_, level) in zip(every, names, parts, strict=True)
+        }
+        self.axes = [x for x in every if not (x.changes or x.leader)]
+        self.led = [x for x in every if x.leader]
+        self.constants = [x for x in every if x.changes]
+        rows = [coat.layering(spectrum.MIDDLE) for coat in coats]
+        channels = max(x.size for row in rows for x in row[2:])
+        self._media = np.array(
+            [[np.broadcast_to(x.ravel(), channels) for x in row[2:]] for row in rows]
+        )
+        self._interfaces = np.array([*((*row.alpha.flat, *row.eta.flat) for row in rows), beyond])
+        self._shared = not lowest  # whether the last interface has the width of the last coat
+        for x in (*self.axes, *self.led):  # any number
+            self._set(self._interfaces, self._media, x.axis.name, 0.5)
+        if (self._media == self._media[..., :1]).all():
+            self._media = self._media[..., :1]
+
+    @property
+    def changes(self) -> list[Changes]:
+        """Those of the constants, of the channel of the largest value."""
+        return [x.changes for x in self.constants if x.changes]
+
+    def share(self, constant: Varying) -> np.ndarray:
+        """Changes of a constant in each channel relative to the largest one, (C,) or (1,)."""
+        part, least = CHANGES[constant.axis.scale]
+        values = self._row(self._interfaces, self._media, constant.axis.name)
+        return (part * values + least) / (part * values.max() + least)
+
+    def at(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The interfaces (n + 1, 2) and the media (n, 3, C) of `slab_tables`.
+
+        numbers: values along the axes, and then changes of the constants.
+        """
+        layers = self._interfaces.copy(), self._media.copy()
+        given = {x.axis.name: number for x, number in zip(self.axes, numbers, strict=False)}
+        for x in self.led:
+            if x.leader is not None:
+                given[x.axis.name] = float(x.leader.at(given[x.leader.name]))
+        for name, value in given.items():
+            self._set(*layers, name, value)
+        for x, change in zip(self.constants, numbers[len(self.axes) :], strict=True):
+            now = self._row(*layers, x.axis.name)
+            self._set(*layers, x.axis.name, now + change * self.share(x))
+        return layers
+
+    def lie_within(self, other: "SlabLayers") -> bool:
+        """Whether these layers are among those along the axes of others."""
+        pairs = zip(self.axes, other.axes, strict=False)
+        return (
+            [*self._places] == [*other._places]
+            and [x.axis.name for x in self.axes] == [x.axis.name for x in other.axes]
+            and all(b.axis.contains(a.axis) for a, b in pairs)
+            and all(agree(b, a) for a, b in zip(self.led, other.led, strict=False))
+            and not (self.constants or other.constants)
+            and np.array_equal(self._interfaces, other._interfaces)
+            and np.array_equal(self._media, other._media)
+        )
+
+    def _row(self, interfaces: np.ndarray, media: np.ndarray, name: str) -> np.ndarray:
+        """The numbers of a parameter: one, or of a medium one for each channel."""
+        level, field = self._places[name]
+        if field in MEDIUM:
+            return media[level, [*MEDIUM].index(field)]
+        return interfaces[level, :1]
+
+    def _set(
+        self,
+        interfaces: np.ndarray,
+        media: np.ndarray,
+        name: str,
+        value: npt.ArrayLike,
+    ) -> None:
+        level, field = self._places[name]
+        self._row(interfaces, media, name)[:] = np.clip(value, *MEDIUM.get(field, WIDTHS))
+        if field not in MEDIUM and self._shared and level == len(interfaces) - 2:
+            interfaces[-1, 0] = interfaces[level, 0]
+
+
+def _of_coat(coat: CoatTextures) -> list[Varying]:
+    """The parameters of a coat that vary or carry gradients, without its index."""
+    return of_coat(coat, [name for name in coat.names if name != "eta"])
+
+
+def _of_interface(textures: Mapping[str, "mi.Texture"]) -> list[Varying]:
+    """The width of a last interface that has one of its own, if it varies or carries a gradient."""
+    found = []
+    for name, texture in textures.items():
+
+        def read(si, active, texture=texture) -> list:
+            return [texture.eval_1(si, active)]
+
+        least, most = range_of(read, [texture], RANGES[WIDTH], True)
+        axis, gradient = Axis(name, WIDTH, least, min(most, 1.0)), has_gradients(texture)
+        if gradient or varying_textures(texture):
+            found += parameter_along(axis, RANGES[WIDTH] if gradient else None, read, [texture])
+    return found
