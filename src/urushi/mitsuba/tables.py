@@ -15,7 +15,7 @@ import numpy as np
 from urushi.core import albedos, anisotropic_albedos
 from urushi.core.lanes import cell
 from urushi.core.namespace import DRJIT
-from urushi.core.table import SHAPE, Knots, coordinates, corner_steps
+from urushi.core.table import SHAPE, coordinates, corner_steps
 from urushi.mitsuba.recording import Recorded, owned
 
 #: Largest level of a number.
@@ -37,7 +37,7 @@ class Numbers:
 
     def __init__(self, numbers: np.ndarray):
         """Store numbers."""
-        self._nodes, self.count = numbers.shape
+        self.nodes, self.count = numbers.shape
         lowest = numbers.min(axis=0)
         steps = np.maximum(numbers.max(axis=0) - lowest, 1e-9) / TOP
         levels = np.rint((numbers - lowest) / steps).astype(np.uint32)
@@ -57,7 +57,7 @@ class Numbers:
         """The levels (N) of a node, an index (UInt32), as Dr.Jit floats."""
         words = list[Any]()
         for own in self._packets:
-            words += packet(mi.ArrayXu, own, node, len(own) // self._nodes)
+            words += packet(mi.ArrayXu, own, node, len(own) // self.nodes)
         levels = [mi.Float(half) for word in words for half in (word & 0xFFFF, word >> 16)]
         return levels[: self.count]
 
@@ -116,16 +116,14 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
     return values[0]
 
 
-def tabulated(
-    table, channels: int, wi, wo, knots: Knots = (), bands: Sequence | None = None
-) -> list:
+def tabulated(table, channels: int, wi, wo, bands: Sequence | None = None) -> list:
     """Each channel of a table of logarithms over directions, see `core.table.interpolated_at`.
 
     Exchanging wi and wo gives the same bits.
 
     bands: index (UInt32) of each channel's table, if the table is a sequence of tables of one.
     """
-    places = [dr.clip(x, 0, 1) for x in coordinates(wi + wo, wi - wo, DRJIT, knots)]
+    places = [dr.clip(x, 0, 1) for x in coordinates(wi + wo, wi - wo, DRJIT)]
     if bands is None:
         logs = interpolated(table, SHAPE, places)
     else:

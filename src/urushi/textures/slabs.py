@@ -7,19 +7,21 @@ constant slab is a single node, and its channels have functions of their own.
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
+from tqdm import tqdm
 
 from urushi.core import table
 from urushi.material.slab_table import SlabTables, slab_tables
 from urushi.textures.axes import Axis, Changes
 from urushi.textures.baking import node_counts
 from urushi.textures.interpolation import interpolant, points
-from urushi.textures.point_codes import FAINT, slope_weights
+from urushi.textures.point_codes import slope_weights
 
 #: Points at which tables are computed, by the number of axes.
-POINTS = 1, 16, 40, 72, 104, 136, 168
+POINTS = 1, 16, 48, 112, 144, 176, 208
 
 #: Most axes.
 AXES = len(POINTS) - 1
@@ -28,46 +30,52 @@ AXES = len(POINTS) - 1
 #: error of ln f over the light of a slab.
 COUNTS, ERROR = (0, 1, 3, 7, 11, 15, 23, 31), 3e-3
 
+#: Added to f over its mean in logarithms, and subtracted again from what they evaluate to: they are
+#: smooth where f becomes black.
+FAINT = 0.01
+
 #: Share of all nodes alike in the measure of this error.
 FLOOR = 0.02
+
+#: Of the bar that is shown on a terminal where tables take longer than a moment.
+PROGRESS: dict[str, Any] = {"desc": "tables of a slab", "unit": "", "delay": 3.0, "disable": None}
 
 #: Most nodes along an axis of the lobes of samples, by the number of axes.
 LOBES = 1, 9, 9, 5, 5, 3, 3
 
 
 class Functions(NamedTuple):
-    """ln (f + faint) of a table, a sum of functions of both directions."""
+    """f of a table by numbers: exp(gain) (exp(a sum of functions of both directions) - faint)."""
 
     table: np.ndarray  # float32 (..., 1 + K): the mean, and functions times a number each
-    terms: int  # K
+
+    @property
+    def numbers(self) -> int:
+        """1 + K: the gain, and those of functions."""
+        return self.table.shape[-1]
 
 
 class Slabs(NamedTuple):
     """Slabs of C channels at N nodes of axes; C is one if channels are alike at the same values.
 
-    A number is an optical depth on each side, the widths of the interfaces that each side mirrors
-    light at (of `SlabTables.faces` and then `SlabTables.inner`), all of them as roots, which are
-    nearly linear along axes; and the numbers of all functions.
+    The first numbers are an optical depth on each side, and the widths of `SlabTables.faces` and of
+    `SlabTables.inner`. All of them are roots, which are nearly linear along axes. The numbers of
+    each of the `functions` follow.
     """
 
-    axes: tuple[Axis, ...]
     shape: tuple[int, ...]  # number of nodes along each axis
-    first: SlabTables  # at a point: what it says of indices holds at all of them
-    reflected: tuple[Functions, ...]  # of a side or of both, divided by `mirrored_inside`
-    passed: Functions  # divided by `grazing_factor`
-    numbers: np.ndarray  # float32 (C, N, T), the last axis the fastest
-    slopes: np.ndarray  # float32 (C, N, S, T) by the axes' values, and then by constants
+    first: SlabTables  # at one point: its indices are those of all
+    #: What a side or both reflect, divided by `mirrored_inside`; what passes, by `grazing_factor`.
+    functions: tuple[Functions, ...]
+    numbers: np.ndarray  # (C, N, T), the last axis the fastest
+    slopes: np.ndarray  # float32 (C, N, S, T) by the values of axes, and then by constants
     lobes: np.ndarray  # (..., L) of samples, at nodes of their own
-    faint: float  # [1/sr]
-
-    @property
-    def roots(self) -> int:
-        """How many numbers come before those of functions."""
-        return self.numbers.shape[-1] - sum(x.terms for x in (*self.reflected, self.passed))
+    faint: float  # of `Functions`
 
 
 def bake(
     axes: Sequence[Axis],
+    sloped: Sequence[int],
     changes: Sequence[Changes],
     layers: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
     lobes: Callable[[SlabTables], np.ndarray],
@@ -76,60 +84,70 @@ def bake(
 
     Args:
         axes: along which slabs vary.
-        changes: of the constants by which slopes are wanted, too.
+        sloped: axes by which slopes are wanted.
+        changes: of the constants by which slopes are wanted.
         layers: the arguments of `slab_tables` at numbers (d + m,): values along the axes, and
             changes of the constants.
         lobes: numbers (L) of samples of a slab.
     """
-    own, count, m = tuple(axes), len(axes), len(changes)
-    x = points(count, POINTS[count]) if own else np.zeros((1, 0))
-    values = np.stack([a.values(at) for a, at in zip(own, x.T, strict=True)], axis=-1) if own else x
-    moved = np.zeros((1 + 3 * m, m))
+    count, each = len(axes), 1 + 3 * len(changes)
+    x = points(count, POINTS[count]) if axes else np.zeros((1, 0))
+    rows = np.zeros((len(x), each, count + len(changes)))
+    for k, axis in enumerate(axes):
+        rows[..., k] = axis.values(x[:, k])[:, None]
     for k, change in enumerate(changes):
-        moved[1 + 3 * k : 4 + 3 * k, k] = change
-    every = [np.concatenate([value, change]) for value in values for change in moved]
-    different, index = np.unique(every, axis=0, return_inverse=True)
-    tables = [slab_tables(*layers(row)) for row in different]
-    found = [tables[i] for i in np.ravel(index)]
-    sides = 1 if all(t.reflected[0] is t.reflected[1] for t in tables) else 2
-    faint = FAINT if len(tables) > 1 else 0.0
-    parts = [np.stack([t.reflected[s].table for t in found]) for s in range(sides)]
-    parts.append(np.stack([t.passed for t in found]))
-    functions, numbers, sizes = zip(*(_principal(part, faint) for part in parts), strict=True)
-    roots = np.stack([_roots(t) for t in found])  # (R, C, ...)
-    every_number = np.concatenate([roots, *numbers], axis=-1)  # (R, C, T)
-    size = every_number.shape[-1]
-    at_points = every_number.reshape(len(x), len(moved), -1, size)
+        rows[:, 1 + 3 * k : 4 + 3 * k, count + k] = change
+    flat, index = np.unique(
+        rows.reshape(len(x) * each, count + len(changes)), axis=0, return_inverse=True
+    )
+    different = [slab_tables(*layers(row)) for row in tqdm(flat, **PROGRESS)]
+    found = [different[i] for i in np.ravel(index)]
+    faint = FAINT if len(different) > 1 else 0.0
+    functions, numbers, sizes = zip(*(_principal(x, faint) for x in _logs(found)), strict=True)
+    roots = np.stack([_roots(t) for t in found])
+    at_points = np.concatenate([roots, *numbers], axis=-1)  # (points and changes, C, T)
+    at_points = at_points.reshape(len(x), each, *at_points.shape[1:])
     norm = np.diag(np.concatenate([np.ones(roots.shape[-1]), *sizes]))
-    smooth = interpolant(x, at_points[:, 0], norm)
-    shape = node_counts(norm, lambda y: np.moveaxis(smooth(y), 1, 0), count)
-    nodes = np.array([*np.ndindex(*shape)], float) / np.maximum(np.array(shape) - 1.0, 1)
-    at_nodes = np.moveaxis(smooth(nodes), 1, 0)  # (C, N, T)
-    slopes = np.empty((*at_nodes.shape[:2], count + m, size), np.float32)
-    grid = at_nodes.reshape(-1, *shape, size)
-    for k, axis in enumerate(own):
-        along = axis.values(np.linspace(0, 1, shape[k]))
-        slopes[:, :, k] = np.gradient(grid, along, axis=1 + k).reshape(at_nodes.shape)
+
+    def smooth(values: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Numbers (C, k, T) at coordinates (k, d), by values (P, C, T) at the points."""
+        return np.moveaxis(interpolant(x, values, norm)(y), 1, 0)
+
+    shape = node_counts(norm, partial(smooth, at_points[:, 0]), count)
+    nodes = _grid(shape)
+    at_nodes = smooth(at_points[:, 0], nodes)
+    grid, slopes = at_nodes.reshape(-1, *shape, len(norm)), []
+    for k in sloped:
+        along = axes[k].values(np.linspace(0, 1, shape[k]))
+        slopes.append(np.gradient(grid, along, axis=1 + k).reshape(at_nodes.shape))
     for k, change in enumerate(changes):
-        weights = slope_weights(np.array([change]), np.zeros(1))[0]
-        given = np.tensordot(weights, at_points[:, 1 + 3 * k : 4 + 3 * k], (0, 1))
-        slopes[:, :, count + k] = np.moveaxis(interpolant(x, given, norm)(nodes), 1, 0)
+        (weights,) = slope_weights(np.array([change]), np.zeros(1))
+        own = np.tensordot(weights, at_points[:, 1 + 3 * k : 4 + 3 * k], (0, 1))
+        slopes.append(smooth(own, nodes))
+    drawn = np.stack([lobes(t) for t in found[::each]])
     coarse = tuple(min(n, LOBES[count]) for n in shape)
-    places = np.array([*np.ndindex(*coarse)], float) / np.maximum(np.array(coarse) - 1.0, 1)
-    drawn = np.stack([lobes(t) for t in found[:: len(moved)]])
-    flat = drawn.reshape(len(drawn), 1, -1)
-    lobe_numbers = interpolant(x, flat, np.eye(flat.shape[-1]))(places)
+    rest = interpolant(x, drawn.reshape(len(drawn), 1, -1), np.eye(drawn[0].size))(_grid(coarse))
     return Slabs(
-        axes=own,
         shape=shape,
-        first=tables[0],
-        reflected=functions[:-1],
-        passed=functions[-1],
-        numbers=at_nodes.astype(np.float32),
-        slopes=slopes,
-        lobes=lobe_numbers.reshape(*coarse, *drawn.shape[1:]).clip(drawn.min(0), drawn.max(0)),
+        first=found[0],
+        functions=functions,
+        numbers=at_nodes,
+        slopes=np.stack(slopes, axis=2) if slopes else at_nodes[:, :, None, :0],
+        lobes=rest.reshape(*coarse, *drawn.shape[1:]).clip(drawn.min(axis=0), drawn.max(axis=0)),
         faint=faint,
     )
+
+
+def _grid(shape: tuple[int, ...]) -> np.ndarray:
+    """Coordinates (N, d) of nodes, the last axis the fastest."""
+    return np.array([*np.ndindex(*shape)], float) / np.maximum(np.array(shape) - 1.0, 1)
+
+
+def _logs(found: Sequence[SlabTables]) -> list[np.ndarray]:
+    """Tables (R, U, V, W, C) of light that a side or both reflect, and of light that passes."""
+    sides = 1 if all(t.reflected[0] is t.reflected[1] for t in found) else 2
+    reflected = [np.stack([t.reflected[k].table for t in found]) for k in range(sides)]
+    return [*reflected, np.stack([t.passed for t in found])]
 
 
 def _roots(tables: SlabTables) -> np.ndarray:
@@ -142,16 +160,21 @@ def _roots(tables: SlabTables) -> np.ndarray:
 
 
 def _principal(logs: np.ndarray, faint: float) -> tuple[Functions, np.ndarray, np.ndarray]:
-    """Functions of tables of logarithms (R, U, V, W, C), their numbers (R, C, K) and sizes (K,)."""
+    """Functions of tables of logarithms (R, U, V, W, C), their numbers (R, C, 1 + K), and the
+    change of ln f by each.
+    """
     count, *shape, channels = logs.shape
     rows = np.moveaxis(logs, -1, 1).astype(np.float32).reshape(count * channels, -1)
+    tan2 = table.squared_tangent(np.linspace(0, 1, shape[0]))
+    solid = tan2 / (1 + tan2) ** 2  # of equal steps in u
+    solid = np.repeat(solid / solid.sum(), rows.shape[1] // shape[0]) * shape[0] / rows.shape[1]
+    gains = np.zeros(len(rows))
     if faint:
-        rows = np.log(np.exp(rows) + faint)
+        gains = np.log(np.exp(rows) @ solid)
+        rows = np.log(np.exp(rows - gains[:, None]) + faint)
     mean = rows.mean(axis=0)
     rows = rows - mean
-    tan2 = table.squared_tangent(np.linspace(0, 1, shape[0]))
-    solid = (tan2 / (1 + tan2) ** 2)[:, None]  # of equal steps in u
-    light = (np.exp(mean).reshape(shape[0], -1) * solid).ravel()
+    light = np.exp(mean) * solid
     measure = light / light.sum() * (1 - FLOOR) + FLOOR / light.size
     spread = (rows * measure) @ rows.T
     sizes, axes = np.linalg.eigh(spread)
@@ -164,6 +187,7 @@ def _principal(logs: np.ndarray, faint: float) -> tuple[Functions, np.ndarray, n
     found = chosen.T @ rows  # orthogonal in the measure, of the squared sizes `sizes`
     largest = np.maximum(np.abs(found).max(axis=1), 1e-9)
     functions = np.concatenate([mean[None], found / largest[:, None]]).T
-    numbers = (chosen * largest).reshape(count, channels, -1)
-    means = np.sqrt(np.maximum(sizes[order[: len(found)]], 0)) / largest
-    return Functions(functions.reshape(*shape, -1).astype(np.float32), len(found)), numbers, means
+    numbers = np.concatenate([gains[:, None], chosen * largest], axis=1)
+    numbers = numbers.reshape(count, channels, -1)
+    means = np.append(1, np.sqrt(np.maximum(sizes[order[: len(found)]], 0)) / largest)
+    return Functions(functions.reshape(*shape, -1).astype(np.float32)), numbers, means

@@ -268,13 +268,13 @@ def test_samples_of_a_textured_slab_follow_the_density(rgb):
 
 def test_tables_stay_while_textures_are_within_their_ranges(rgb):
     bsdf = load(rgb, SLABS["pane"] | {"sigma_t": halves(0.1, 2.0)}, "neural_layered")
-    parameters, before = rgb.traverse(bsdf), bsdf._slabs
+    parameters, before = rgb.traverse(bsdf), bsdf._numbers
     parameters["sigma_t.data"] = 0.5 + 0.5 * parameters["sigma_t.data"]
     parameters.update()
-    assert bsdf._slabs is before
+    assert bsdf._numbers is before
     parameters["sigma_t.data"] = 3 * parameters["sigma_t.data"]
     parameters.update()
-    assert bsdf._slabs is not before
+    assert bsdf._numbers is not before
 
 
 def test_tables_are_small_and_refuse_gradients_by_indices(rgb):

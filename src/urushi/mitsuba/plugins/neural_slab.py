@@ -30,7 +30,7 @@ from urushi.mitsuba.recording import only_where
 from urushi.mitsuba.snapshot import is_attached, writable
 from urushi.mitsuba.tables import Interpolated, Numbers, interpolated, stored
 from urushi.textures.axes import Axis, Varying, simplex
-from urushi.textures.slabs import AXES, Slabs, bake
+from urushi.textures.slabs import AXES, bake
 from urushi.walk import interface
 
 #: Quantiles of the half angles at which lobes are sampled, and the weights of these lobes and of a
@@ -64,7 +64,7 @@ def _lobes(tables: SlabTables) -> np.ndarray:
 class NeuralSlab(CoatedSurface):
     """A slab by tables, along the axes of what varies; see ``layered``."""
 
-    UNRECORDED: ClassVar = ("_layers", "_baked", "_slabs")
+    UNRECORDED: ClassVar = ("_layers", "_baked")
     _baked: SlabLayers | None = None  # the layers of which there are tables
 
     def _prepare(self):
@@ -85,44 +85,41 @@ class NeuralSlab(CoatedSurface):
             alpha, eta = float(beyond.alpha[0]), float(beyond.eta[0])
             now = SlabLayers(self.coats, lowest, (alpha, eta))
             if self._baked is None or not now.lie_within(self._baked):
-                self._baked, self._slabs = now, self._bake(now)
+                self._bake(now)
+                self._baked = now
         self._layers = now
-        count, every = len(now.axes), [*now.axes, *now.constants]
-        chosen = [k for k, x in enumerate(every) if x.differentiable]
-        self._sloped = [every[k] for k in chosen]
-        slopes = self._slabs.slopes[:, :, chosen]
-        for place, k in enumerate(chosen):
-            if k >= count:
-                slopes[:, :, place] /= now.share(every[k])[:, None, None]
-        self._slopes = Numbers(slopes.reshape(math.prod(slopes.shape[:2]), -1)) if chosen else None
+        self._sloped = [x for x in (*now.axes, *now.constants) if x.differentiable]
 
     def _refuse(self, reason: str) -> NoReturn:
         raise ParameterError(
             f"{self._where}: {reason}; use the plugin 'layered', which walks through any"
         )
 
-    def _bake(self, layers: SlabLayers) -> Slabs:
-        if len(layers.axes) > AXES:
-            self._refuse(f"{len(layers.axes)} parameters vary, but a slab has tables along {AXES}")
+    def _bake(self, layers: SlabLayers) -> None:
+        """Compute the tables, and store them in Dr.Jit's memory."""
         axes = [x.axis for x in layers.axes]
-        slabs = bake(axes, layers.changes, layers.at, _lobes)
-        functions = *slabs.reflected, slabs.passed
-        self._tables = [stored(x.table, True) for x in functions]
+        if len(axes) > AXES:
+            self._refuse(f"{len(axes)} parameters vary, but a slab has tables along {AXES}")
+        sloped = [k for k, x in enumerate(layers.axes) if x.differentiable]
+        slabs = bake(axes, sloped, layers.changes, layers.at, _lobes)
         first, self._faint = slabs.first, slabs.faint
-        self._etas = [eta for _, eta in first.faces]
-        self._below_faces = [[(index, eta) for index, _, eta in side] for side in first.inner]
+        self._etas, self._indices = [eta for _, eta in first.faces], first.indices
+        self._within = [[(index, eta) for index, _, eta in side] for side in first.inner]
         self._knots = [side.knots for side in first.reflected]
-        self._indices = first.indices
-        sizes = [slabs.roots, *(x.terms for x in functions)]
-        self._parts = np.cumsum(sizes)[:-1].tolist()
+        self._tables = [stored(x.table, True) for x in slabs.functions]
+        last = slabs.numbers.shape[-1]
+        ends = np.cumsum([0, *(x.numbers for x in slabs.functions)])
+        self._parts = (last - ends[-1] + ends[:-1]).tolist()  # where numbers of functions begin
         self._nodes, self._channels = math.prod(slabs.shape), len(slabs.numbers)
-        flat = slabs.numbers.reshape(-1, slabs.numbers.shape[-1])
-        self._numbers = Numbers(flat)
+        self._numbers = Numbers(slabs.numbers.reshape(-1, last))
+        slopes, count = slabs.slopes, len(sloped)
+        for k, constant in enumerate(layers.constants, count):
+            slopes[:, :, k] /= layers.share(constant)[:, None, None]
+        self._slopes = Numbers(slopes.reshape(self._numbers.nodes, -1)) if slopes.size else None
         self._lobes = Interpolated(slabs.lobes)
         self._ranges = [[mi.Float(x) for x in axis.numbers] for axis in axes]
         self._axes = [axis.scale for axis in axes], slabs.shape
         dr.make_opaque(self._ranges)
-        return slabs
 
     def _vertex(self, si, active):
         """Numbers of each channel, their slopes, and those of lobes; without gradients."""
@@ -174,8 +171,8 @@ class NeuralSlab(CoatedSurface):
     def _reflected(self, a, b, upper, numbers: list[list]) -> list:
         """f of each channel on the upper or the lower side, for directions above the horizon."""
         widths = [dr.square(x) for x in numbers[0][0][2:]]
-        count, inner = len(self._below_faces[0]), []
-        for k, ((i, e), (j, f)) in enumerate(zip(*self._below_faces, strict=True)):
+        count, inner = len(self._within[0]), []
+        for k, ((i, e), (j, f)) in enumerate(zip(*self._within, strict=True)):
             width = dr.select(upper, widths[2 + k], widths[2 + count + k])
             inner.append((dr.select(upper, i, j), width, dr.select(upper, e, f)))
         alpha, eta = (dr.select(upper, *pair) for pair in (widths[:2], self._etas))
@@ -205,10 +202,10 @@ class NeuralSlab(CoatedSurface):
 
     def _of_sum(self, functions: list, numbers: list):
         """f of a table's functions and a channel's numbers."""
-        log = functions[0]
-        for function, number in zip(functions[1:], numbers, strict=False):
+        log, (gain, *others) = functions[0], numbers
+        for function, number in zip(functions[1:], others, strict=False):
             log = dr.fma(function, number, log)
-        return dr.maximum(dr.exp(log) - self._faint, 0) if self._faint else dr.exp(log)
+        return dr.exp(gain) * dr.maximum(dr.exp(log) - self._faint, 0)
 
     def _f(self, vertex, ctx, si, wo, active):
         numbers = self._attached(vertex, si, active)

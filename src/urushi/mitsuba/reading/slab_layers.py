@@ -99,7 +99,7 @@ class SlabLayers:
         pairs = zip(self.axes, other.axes, strict=False)
         return (
             [*self._places] == [*other._places]
-            and [x.axis.name for x in self.axes] == [x.axis.name for x in other.axes]
+            and [x.differentiable for x in self.axes] == [x.differentiable for x in other.axes]
             and all(b.axis.contains(a.axis) for a, b in pairs)
             and all(agree(b, a) for a, b in zip(self.led, other.led, strict=False))
             and not (self.constants or other.constants)
