@@ -261,6 +261,23 @@ def test_a_textured_slab_is_the_walk(rgb):
     assert np.abs(found - expected).sum() < 0.05 * expected.sum()
 
 
+def test_a_spectral_slab_has_the_medium_of_each_wavelength(spectral):
+    """Against walks, whose noise is about 2 %."""
+    colours = {"albedo": [0.2, 0.5, 0.95], "sigma_t": [0.4, 1.0, 3.0]}
+    given = {k: {"type": "rgb", "value": x} for k, x in colours.items()}
+    bsdf = load(mi, SLABS["paper"] | given, "neural_layered")
+    si, to = all_sides(64)
+    si.wavelengths = mi.Spectrum(440, 520, 580, 640)
+    medium = {k: [x.numpy()[0] for x in bsdf.coats[0].at(si)[k]] for k in colours}
+    assert np.ptp(medium["sigma_t"]) > 1
+    described = urushi.slab(0.4, 1.4, **MEDIUM | medium)
+    wi, wo = si.wi.numpy().T, to.numpy().T
+    expected, _ = urushi.simulate(described, wi, wo, walks=1 << 12, progress=False)
+    expected *= np.abs(wo[:, 2:])
+    found = bsdf.eval(mi.BSDFContext(), si, to).numpy().T
+    assert (np.abs(found - expected).sum(axis=0) < 0.05 * expected.sum(axis=0)).all()
+
+
 def test_samples_of_a_textured_slab_follow_the_density(rgb):
     slab, values = TEXTURED["glass"]
     sampling.check(load(rgb, slab | with_textures(values), "neural_layered"), ANGLES, 1, 1.5)

@@ -45,7 +45,8 @@ class NeuralLayered(Coated, EncodedSurface):
     Without a nested BSDF, over dielectrics and over slabs, it is a *slab* as ``layered``, which
     scatters light from both sides to both. Tables of what it reflects and transmits are
     computed by light transport when the scene is loaded. Up to six parameters may vary over the
-    surface or carry gradients, but no index of refraction, and each interface has one width.
+    surface or carry gradients, but no index of refraction, and each interface has one width. In
+    spectral variants, colours are among them.
 
     When the scene is loaded, the bottom is evaluated at the probe pairs, averaged if it lacks
     the symmetries of materials (see ``urushi.encode``), and encoded. Constant coats over

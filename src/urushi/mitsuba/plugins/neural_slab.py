@@ -29,7 +29,7 @@ from urushi.mitsuba.reading.slab_layers import SlabLayers
 from urushi.mitsuba.recording import only_where
 from urushi.mitsuba.snapshot import is_attached, writable
 from urushi.mitsuba.tables import Interpolated, Numbers, interpolated, stored
-from urushi.textures.axes import Axis, Varying, simplex
+from urushi.textures.axes import Axis, simplex
 from urushi.textures.slabs import AXES, bake
 from urushi.walk import interface
 
@@ -74,12 +74,11 @@ class NeuralSlab(CoatedSurface):
         if any(x.is_anisotropic for x in layers) or any(x.coloured for x in self.coats):
             self._refuse("a slab has a table for one width of each interface")
         attached = (key for key, value in writable(self) if is_attached(value))
-        if any(any(coat.changing_indices) for coat in self.coats) or any(
-            x.endswith("eta") for x in attached
-        ):
+        changing = [x for coat in self.coats for x in coat.changing_indices]
+        if any(changing) or any(key.endswith("eta") for key in attached):
             self._refuse("an index of refraction varies, but tables of a slab are of constant ones")
-        coats = CoatStack(self.coats, si := dr.zeros(mi.SurfaceInteraction3f), True)
-        beyond = self._lowest_at(coats, si, True)
+        si = dr.zeros(mi.SurfaceInteraction3f)
+        beyond = self._lowest_at(CoatStack(self.coats, si, True), si, True)
         lowest = {} if self.lowest is None else self.lowest.textures
         with dr.suspend_grad():
             alpha, eta = float(beyond.alpha[0]), float(beyond.eta[0])
@@ -123,16 +122,11 @@ class NeuralSlab(CoatedSurface):
 
     def _vertex(self, si, active):
         """Numbers of each channel, their slopes, and those of lobes; without gradients."""
-        with_lengths = [self._read(x, si, active) for x in self._layers.axes]
-        values = [[dr.detach(x) for x in part] for part in with_lengths]
-        lengths = [len(self._read(x, si, active)) for x in self._layers.constants]
-        channels = max([self._channels, *map(len, values), *lengths])
+        layers, detached = self._layers, dr.detach
+        values = [[detached(x) for x in part.read(si, active)] for part in layers.axes]
+        constants = [part.read(si, active) for part in layers.constants]
+        channels = max([self._channels, *map(len, (*values, *constants))])
         return only_where(active, partial(self._at_place, channels), values, si.wi)
-
-    def _read(self, part: Varying, si, active) -> list:
-        """The values of a parameter, in spectral variants those of red, green and blue."""
-        seen = mi.SurfaceInteraction3f(si)
-        return spectrum.at_bands(seen, lambda: part.read(seen, active))
 
     def _at_place(self, channels: int, values: list[list], wi) -> list:
         coordinates = [
@@ -155,8 +149,8 @@ class NeuralSlab(CoatedSurface):
 
     def _attached(self, vertex, si, active) -> list[list]:
         """The numbers of each channel with the gradients of the parameters."""
-        numbers, slopes, _ = vertex
-        values = [self._read(x, si, active) for x in self._sloped]
+        numbers, slopes = [*vertex[0]], vertex[1]
+        values = [x.read(si, active) for x in self._sloped]
         if dr.grad_enabled(values):
             # Outside of calls, in which Dr.Jit 1.5 counts gradients of single numbers several times
             changes = [[x - dr.detach(x) for x in part] for part in values]

@@ -11,9 +11,20 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.mitsuba.reading.ranges import range_of
-from urushi.mitsuba.reading.varying import CHANGES, RANGES, agree, joined, of_coat, parameter_along
+from urushi.mitsuba.reading.varying import (
+    CHANGES,
+    COAT,
+    RANGES,
+    agree,
+    joined,
+    of_coat,
+    parameter_along,
+)
 from urushi.mitsuba.snapshot import has_gradients
 from urushi.textures.axes import WIDTH, Axis, Changes, Varying
+
+#: Difference of channels that are the same up to rounding.
+ALIKE = 1e-5
 
 #: Ranges of widths, and of the rows of media.
 WIDTHS = MIN_ALPHA, 1.0
@@ -128,8 +139,25 @@ class SlabLayers:
 
 
 def _of_coat(coat: CoatTextures) -> list[Varying]:
-    """The parameters of a coat that vary or carry gradients, without its index."""
-    return of_coat(coat, [name for name in coat.names if name != "eta"])
+    """The parameters of a coat that vary or carry gradients, without its index.
+
+    In spectral variants, coloured constants vary, too: by the wavelength.
+    """
+    found = {x.axis.name: x for x in of_coat(coat, [n for n in coat.names if n != "eta"])}
+    for name in MEDIUM if mi.is_spectral else ():
+        own = found.get(name)
+        if own is not None and not own.changes:
+            continue
+
+        def read(si, active, name=name) -> list:
+            return coat.at(si, active)[name]
+
+        with spectrum.reading_at(spectrum.FINE):
+            values = spectrum.channels_at(spectrum.MIDDLE, read)
+        if np.ptp(values) > ALIKE:
+            axis = Axis(name, COAT[name][0], float(values.min()), float(values.max()), True)
+            found[name] = Varying(axis, read, differentiable=own is not None)
+    return [*found.values()]
 
 
 def _of_interface(textures: Mapping[str, "mi.Texture"]) -> list[Varying]:
