@@ -268,13 +268,13 @@ def test_a_spectral_slab_has_the_medium_of_each_wavelength(spectral):
     bsdf = load(mi, SLABS["paper"] | given, "neural_layered")
     si, to = all_sides(64)
     si.wavelengths = mi.Spectrum(440, 520, 580, 640)
-    medium = {k: [x.numpy()[0] for x in bsdf.coats[0].at(si)[k]] for k in colours}
+    medium = {k: [x.numpy()[0] for x in bsdf.coats[0].at(si)[k]][:3] for k in colours}
     assert np.ptp(medium["sigma_t"]) > 1
     described = urushi.slab(0.4, 1.4, **MEDIUM | medium)
     wi, wo = si.wi.numpy().T, to.numpy().T
     expected, _ = urushi.simulate(described, wi, wo, walks=1 << 12, progress=False)
     expected *= np.abs(wo[:, 2:])
-    found = bsdf.eval(mi.BSDFContext(), si, to).numpy().T
+    found = bsdf.eval(mi.BSDFContext(), si, to).numpy().T[:, :3]
     assert (np.abs(found - expected).sum(axis=0) < 0.05 * expected.sum(axis=0)).all()
 
 
