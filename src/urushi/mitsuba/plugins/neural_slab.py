@@ -79,7 +79,7 @@ class NeuralSlab(CoatedSurface):
             self._refuse("an index of refraction varies, but tables of a slab are of constant ones")
         si = dr.zeros(mi.SurfaceInteraction3f)
         beyond = self._lowest_at(CoatStack(self.coats, si, True), si, True)
-        lowest = {} if self.lowest is None else self.lowest.textures
+        lowest = None if self.lowest is None else self.lowest.textures
         with dr.suspend_grad():
             alpha, eta = float(beyond.alpha[0]), float(beyond.eta[0])
             now = SlabLayers(self.coats, lowest, (alpha, eta))

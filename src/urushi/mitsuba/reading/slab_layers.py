@@ -42,17 +42,18 @@ class SlabLayers:
     def __init__(
         self,
         coats: Sequence[CoatTextures],
-        lowest: Mapping[str, "mi.Texture"],
+        lowest: Mapping[str, "mi.Texture"] | None,
         beyond: tuple[float, float],
     ):
         """Read the parameters.
 
         coats: from top to bottom, of one width and one index each.
-        lowest: the texture of the width of the last interface; empty: it is that of the last coat.
+        lowest: the texture of the width of the last interface, if it has one; None: the width is
+            that of the last coat.
         beyond: alpha and eta of the last interface.
         """
         parts = [(x, level) for level, coat in enumerate(coats) for x in _of_coat(coat)]
-        parts += [(x, len(coats)) for x in _of_interface(lowest)]
+        parts += [(x, len(coats)) for x in _of_interface(lowest or {})]
         names = [x.axis.name for x, _ in parts]
         named = [
             x._replace(axis=x.axis._replace(name=f"{level} {x.axis.name}")) for x, level in parts
@@ -71,7 +72,7 @@ class SlabLayers:
             [[np.broadcast_to(x.ravel(), channels) for x in row[2:]] for row in rows]
         )
         self._interfaces = np.array([*((*row.alpha.flat, *row.eta.flat) for row in rows), beyond])
-        self._shared = not lowest  # whether the last interface has the width of the last coat
+        self._shared = lowest is None
         for x in (*self.axes, *self.led):  # any number
             self._set(self._interfaces, self._media, x.axis.name, 0.5)
         if (self._media == self._media[..., :1]).all():
