@@ -1,10 +1,8 @@
 """Errors, laws and costs of all methods that render layered materials, on the same work.
 
-The system of Fan et al. (2022) has the weights `PAPER`, of `python -m fan2022 train --scale 8e-4`,
-3 hours 34 minutes; URUSHI_PAPER_WEIGHTS names others, such as the authors' (`python -m fan2022
-import`). In their training and here, the projection's learning rate was 1e-3 in all steps; it has
-since been lowered step by step, like the authors'. E over measured bottoms needs the folder that
-URUSHI_TEST_DATA names.
+The system of Fan et al. (2022) has the weights `PAPER`, of two commands that `docs/published.md`
+names; URUSHI_PAPER_WEIGHTS names others, such as the authors' (`python -m fan2022 import`). E over
+measured bottoms needs the folder that URUSHI_TEST_DATA names.
 """
 
 import os
