@@ -21,7 +21,7 @@ from urushi.textures.interpolation import interpolant, points
 from urushi.textures.point_codes import slope_weights
 
 #: Points at which tables are computed, by the number of axes.
-POINTS = 1, 16, 48, 112, 144, 176, 208
+POINTS = 1, 16, 64, 112, 144, 176, 208
 
 #: Most axes.
 AXES = len(POINTS) - 1
