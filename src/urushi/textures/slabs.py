@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 from urushi.core import table
 from urushi.material.slab_table import SlabTables, slab_tables
-from urushi.textures.axes import Axis, Changes
+from urushi.textures.axes import DARK, Axis, Changes
 from urushi.textures.baking import node_counts
 from urushi.textures.interpolation import interpolant, points
 from urushi.textures.point_codes import slope_weights
@@ -59,8 +59,8 @@ class Slabs(NamedTuple):
     """Slabs of C channels at N nodes of axes; C is one if channels are alike at the same values.
 
     The first numbers are an optical depth on each side, and the widths of `SlabTables.faces` and of
-    `SlabTables.inner`. All of them are roots, which are nearly linear along axes. The numbers of
-    each of the `functions` follow.
+    `SlabTables.inner`: roots of depths and logarithms of widths plus `axes.DARK`, which are about
+    linear along axes. The numbers of each of the `functions` follow.
     """
 
     shape: tuple[int, ...]  # number of nodes along each axis
@@ -104,10 +104,10 @@ def bake(
     found = [different[i] for i in np.ravel(index)]
     faint = FAINT if len(different) > 1 else 0.0
     functions, numbers, sizes = zip(*(_principal(x, faint) for x in _logs(found)), strict=True)
-    roots = np.stack([_roots(t) for t in found])
-    at_points = np.concatenate([roots, *numbers], axis=-1)  # (points and changes, C, T)
+    first = np.stack([_first(t) for t in found])
+    at_points = np.concatenate([first, *numbers], axis=-1)  # (points and changes, C, T)
     at_points = at_points.reshape(len(x), each, *at_points.shape[1:])
-    norm = np.diag(np.concatenate([np.ones(roots.shape[-1]), *sizes]))
+    norm = np.diag(np.concatenate([np.ones(first.shape[-1]), *sizes]))
 
     def smooth(values: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Numbers (C, k, T) at coordinates (k, d), by values (P, C, T) at the points."""
@@ -150,13 +150,12 @@ def _logs(found: Sequence[SlabTables]) -> list[np.ndarray]:
     return [*reflected, np.stack([t.passed for t in found])]
 
 
-def _roots(tables: SlabTables) -> np.ndarray:
+def _first(tables: SlabTables) -> np.ndarray:
     """The first numbers (C, ...) of a slab, see `Slabs`."""
     widths = [alpha for alpha, _ in tables.faces]
     widths += [alpha for side in tables.inner for _, alpha, _ in side]
-    channels = tables.passed.shape[-1]
-    shared = np.broadcast_to(widths, (channels, len(widths)))
-    return np.sqrt(np.concatenate([tables.depths.T, shared], axis=1))
+    shared = np.tile(np.log(np.array(widths) + DARK), (tables.depths.shape[1], 1))
+    return np.concatenate([np.sqrt(tables.depths.T), shared], axis=1)
 
 
 def _principal(logs: np.ndarray, faint: float) -> tuple[Functions, np.ndarray, np.ndarray]:
@@ -166,28 +165,23 @@ def _principal(logs: np.ndarray, faint: float) -> tuple[Functions, np.ndarray, n
     count, *shape, channels = logs.shape
     rows = np.moveaxis(logs, -1, 1).astype(np.float32).reshape(count * channels, -1)
     tan2 = table.squared_tangent(np.linspace(0, 1, shape[0]))
-    solid = tan2 / (1 + tan2) ** 2  # of equal steps in u
-    solid = np.repeat(solid / solid.sum(), rows.shape[1] // shape[0]) * shape[0] / rows.shape[1]
-    gains = np.zeros(len(rows))
-    if faint:
-        gains = np.log(np.exp(rows) @ solid)
-        rows = np.log(np.exp(rows - gains[:, None]) + faint)
-    mean = rows.mean(axis=0)
-    rows = rows - mean
-    light = np.exp(mean) * solid
-    measure = light / light.sum() * (1 - FLOOR) + FLOOR / light.size
-    spread = (rows * measure) @ rows.T
-    sizes, axes = np.linalg.eigh(spread)
-    order = np.argsort(-sizes)[: min(COUNTS[-1], len(rows))]
+    solid = np.repeat(tan2 / (1 + tan2) ** 2, rows.shape[1] // shape[0])  # of equal steps in u
+    light = np.exp(rows) * (solid / solid.sum())
+    gains = np.log(light.sum(axis=1, keepdims=True))
+    light = light / np.exp(gains) * (1 - FLOOR) + FLOOR / solid.size  # a measure of each row
+    rows = np.log(np.exp(rows - gains) + faint)
+    mean, measure = rows.mean(axis=0), light.mean(axis=0)
+    rows -= mean
+    spread, axes = np.linalg.eigh((rows * measure) @ rows.T)
+    order = np.argsort(-spread)[: COUNTS[-1]]
     for size in COUNTS:
         chosen = axes[:, order[:size]]
-        left = np.diag(spread) - np.square(chosen) @ np.maximum(sizes[order[:size]], 0)
-        if left.max() < ERROR**2:
+        found = chosen.T @ rows
+        if (np.square(rows - chosen @ found) * light).sum(axis=1).max() < ERROR**2:
             break
-    found = chosen.T @ rows  # orthogonal in the measure, of the squared sizes `sizes`
     largest = np.maximum(np.abs(found).max(axis=1), 1e-9)
     functions = np.concatenate([mean[None], found / largest[:, None]]).T
-    numbers = np.concatenate([gains[:, None], chosen * largest], axis=1)
-    numbers = numbers.reshape(count, channels, -1)
-    means = np.append(1, np.sqrt(np.maximum(sizes[order[: len(found)]], 0)) / largest)
-    return Functions(functions.reshape(*shape, -1).astype(np.float32)), numbers, means
+    numbers = np.concatenate([gains, chosen * largest], axis=1).reshape(count, channels, -1)
+    sizes = np.sqrt(np.maximum(spread[order[: len(found)]], 0)) / largest
+    functions = functions.reshape(*shape, -1).astype(np.float32)
+    return Functions(functions), numbers, np.append(1, sizes)

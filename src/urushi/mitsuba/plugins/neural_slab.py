@@ -29,7 +29,7 @@ from urushi.mitsuba.reading.slab_layers import SlabLayers
 from urushi.mitsuba.recording import only_where
 from urushi.mitsuba.snapshot import is_attached, writable
 from urushi.mitsuba.tables import Interpolated, Numbers, interpolated, stored
-from urushi.textures.axes import Axis, simplex
+from urushi.textures.axes import DARK, Axis, simplex
 from urushi.textures.slabs import AXES, bake
 from urushi.walk import interface
 
@@ -164,7 +164,7 @@ class NeuralSlab(CoatedSurface):
 
     def _reflected(self, a, b, upper, numbers: list[list]) -> list:
         """f of each channel on the upper or the lower side, for directions above the horizon."""
-        widths = [dr.square(x) for x in numbers[0][0][2:]]
+        widths = [dr.exp(x) - DARK for x in numbers[0][0][2:]]
         count, inner = len(self._within[0]), []
         for k, ((i, e), (j, f)) in enumerate(zip(*self._within, strict=True)):
             width = dr.select(upper, widths[2 + k], widths[2 + count + k])
@@ -178,9 +178,9 @@ class NeuralSlab(CoatedSurface):
         ]
         factor, lobe = mirrored_inside(a, b, inner, DRJIT), interface.reflection(a, b, alpha, eta)
         inverse, found = dr.rcp(a.z) + dr.rcp(b.z), []
-        for roots, *own, _ in numbers:
+        for first, *own, _ in numbers:
             rests = [self._of_sum(*x) for x in zip(functions, own, strict=True)]
-            depth = dr.square(dr.select(upper, *roots[:2]))
+            depth = dr.square(dr.select(upper, *first[:2]))
             rest = dr.select(upper, rests[0], rests[-1])
             found.append(rest * factor + lobe * dr.exp(-depth * inverse))
         return found
@@ -189,7 +189,7 @@ class NeuralSlab(CoatedSurface):
         """f of each channel that crosses the slab, without the square of its index."""
         places = passed_coordinates(above, below, self._indices, DRJIT)
         functions = interpolated(self._tables[-1], PASSED_SHAPE, [dr.clip(x, 0, 1) for x in places])
-        widths = [dr.square(x) for x in numbers[0][0][2:4]]
+        widths = [dr.exp(x) - DARK for x in numbers[0][0][2:4]]
         faces = [*zip(widths, self._etas, strict=True)]
         scale = grazing_factor(above, below, faces, DRJIT)
         return [self._of_sum(functions, own) * scale for *_, own in numbers]

@@ -21,7 +21,7 @@ from urushi.mitsuba.reading.varying import (
     parameter_along,
 )
 from urushi.mitsuba.snapshot import has_gradients
-from urushi.textures.axes import WIDTH, Axis, Changes, Varying
+from urushi.textures.axes import REFLECTANCE, WIDTH, Axis, Changes, Varying
 
 #: Difference of channels that are the same up to rounding.
 ALIKE = 1e-5
@@ -54,14 +54,10 @@ class SlabLayers:
         """
         parts = [(x, level) for level, coat in enumerate(coats) for x in _of_coat(coat)]
         parts += [(x, len(coats)) for x in _of_interface(lowest or {})]
-        names = [x.axis.name for x, _ in parts]
-        named = [
-            x._replace(axis=x.axis._replace(name=f"{level} {x.axis.name}")) for x, level in parts
-        ]
-        every = joined(named)
+        every = joined([_of_level(*part) for part in parts])
         self._places = {
-            x.axis.name: (level, name)
-            for x, name, (_, level) in zip(every, names, parts, strict=True)
+            x.axis.name: (level, own.axis.name)
+            for x, (own, level) in zip(every, parts, strict=True)
         }
         self.axes = [x for x in every if not (x.changes or x.leader)]
         self.led = [x for x in every if x.leader]
@@ -137,6 +133,14 @@ class SlabLayers:
         self._row(interfaces, media, name)[:] = np.clip(value, *MEDIUM.get(field, WIDTHS))
         if field not in MEDIUM and self._shared and level == len(interfaces) - 2:
             interfaces[-1, 0] = interfaces[level, 0]
+
+
+def _of_level(parameter: Varying, level: int) -> Varying:
+    """A parameter with a name of its own, and the scale of tables."""
+    axis = parameter.axis
+    # Lobes move through a table by the logarithm of their width.
+    scale = REFLECTANCE if axis.scale == WIDTH else axis.scale
+    return parameter._replace(axis=axis._replace(name=f"{level} {axis.name}", scale=scale))
 
 
 def _of_coat(coat: CoatTextures) -> list[Varying]:
