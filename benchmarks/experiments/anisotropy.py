@@ -15,13 +15,11 @@ from benchmarks.evaluation import predict, samples
 from benchmarks.evaluation.distributions import anisotropic
 from benchmarks.evaluation.samples import Samples
 from benchmarks.experiment import BOTH, Experiment, Found, Options
-from benchmarks.measures import slope_pairs
 from benchmarks.showing import table as markdown
 from research.rivals import belcour, weier
 from research.rivals.belcour_bottoms import SUFFIX
 
 from urushi.checks import Widths
-from urushi.core.direction_sets import cosine_pairs
 from urushi.nets.weights import anisotropic_model
 from urushi.walk import StackTable
 
@@ -89,12 +87,8 @@ GROUPS = {
 
 def reference(table: StackTable, index: int, walks: int) -> Samples:
     """Pairs and simulated values of one of a group's tables."""
-    rng, count = np.random.default_rng((SEED, 1, index, table.coats)), len(table)
-    pairs = [cosine_pairs(rng, count * E_PAIRS), slope_pairs(rng, count * P_PAIRS)]
-    wi, wo = (
-        np.concatenate([w.reshape(count, -1, 3) for w in sides], axis=1)
-        for sides in zip(*pairs, strict=True)
-    )
+    rng = np.random.default_rng((SEED, 1, index, table.coats))
+    wi, wo = samples.pairs_of_stacks(rng, len(table), E_PAIRS, P_PAIRS, slopes=True)
     f, se = samples.walk_all(table, wi, wo, walks, SEED)
     return Samples(table, wi, wo, f, se, e_pairs=E_PAIRS)
 

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from benchmarks import spheres
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
-from benchmarks.pictures import Picture, View, at_equal_time, converged
+from benchmarks.pictures import Picture, at_equal_time, converged
+from benchmarks.scenes import View
 from benchmarks.showing import grid, table
 from gallery import stage
 

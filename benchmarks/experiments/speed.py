@@ -16,8 +16,7 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import spheres, timing
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options
-from benchmarks.pictures import View
-from benchmarks.scenes import PRINCIPLED, WALK, coat
+from benchmarks.scenes import PRINCIPLED, WALK, View, coat
 from benchmarks.showing import table
 from benchmarks.spheres import ALL, FEW
 

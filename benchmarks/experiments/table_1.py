@@ -1,9 +1,9 @@
 """Storage, time and error of representations of single BRDFs; after Table 1 of Fan et al. 2022.
 
 Every method sees values of a BRDF alone, not its parameters. Errors are taken at pairs of
-directions that no method has seen; PSNR and FLIP are those of a sphere in Urushi's studio. Measured
-materials are averaged over the exchange of wi and wo, because most methods are reciprocal; the
-stand-ins for MERL's favour NBRDF, because such networks made them.
+directions that no method has seen; PSNR is that of a sphere in Urushi's studio. Measured materials
+are averaged over the exchange of wi and wo, because most methods are reciprocal; the stand-ins for
+MERL's favour NBRDF, because such networks made them.
 """
 
 import math
@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks import measures, sphere, timing
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, kept
 from benchmarks.measures import half_angle_pairs
-from benchmarks.pictures import compare
+from benchmarks.pictures import psnr
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
 from benchmarks.rivals.nbrdf import size, training_pairs
 from benchmarks.showing import interval, table
@@ -112,8 +112,8 @@ def measure(subject: Subject | None, options: Options) -> Found:
             name: error(name, model.f(*pair), truth[name], *pair) for name, pair in pairs.items()
         }
         if original is not None:
-            psnr, flip = compare(sphere.studio(model.f), original, sphere.mask())
-            found[method] |= {"PSNR": psnr, "FLIP": flip, "seconds": seconds}
+            own = psnr(sphere.studio(model.f), original, sphere.mask())
+            found[method] |= {"PSNR": own, "seconds": seconds}
     return found
 
 
