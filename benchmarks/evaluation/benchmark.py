@@ -13,6 +13,7 @@ import os
 import platform
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -20,7 +21,6 @@ from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import samples as sampling
-from benchmarks.evaluation.distributions import to_dict
 from benchmarks.evaluation.samples import ALBEDO_STACKS, E_PAIRS, GROUPS, Group, Samples
 from benchmarks.measures import DARK_OFFSET
 from tqdm import tqdm
@@ -113,9 +113,12 @@ def _samples(
 
 
 def describe(group: Group) -> dict[str, object]:
+    fields = asdict(group.distribution)
+    if fields.get("indices") == "common":  # the stored set has no indices where they are common
+        del fields["indices"]
     return {
         "name": group.name,
-        "distribution": to_dict(group.distribution),
+        "distribution": {"kind": type(group.distribution).__name__.lower(), **fields},
         "stacks": group.stacks,
         "probed": list(group.probed),
         "pairs": [sampling.E_PAIRS, sampling.P_PAIRS, PROBES],

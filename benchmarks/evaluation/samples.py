@@ -232,7 +232,7 @@ def albedo_directions() -> np.ndarray:
 
 
 def stack_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
-    """E of every stack, (S,), from values (S, M) at all pairs."""
+    """E of every stack, (S,), from values (S, M) at all pairs, or at those for E alone."""
     part = slice(None, samples.e_pairs)
     cos_i, cos_o = samples.wi[:, part, 2], samples.wo[:, part, 2]
     return measures.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)

@@ -111,10 +111,9 @@ def noisy(held: Samples) -> np.ndarray:
 
 
 def by_rival(rival: Any, table: StackTable, held: Samples) -> np.ndarray:
-    """Values of a model of `research.rivals` at the pairs for E, zero at the others."""
+    """Values of a model of `research.rivals` at the pairs for E."""
     wi, wo = held.wi[:, :E_PAIRS], held.wo[:, :E_PAIRS]
-    f = rival.rows(table, *samples.by_row(wi, wo)).reshape(wi.shape[:2])
-    return np.pad(f, ((0, 0), (0, P_PAIRS)))
+    return rival.rows(table, *samples.by_row(wi, wo)).reshape(wi.shape[:2])
 
 
 def one_width(table: StackTable) -> StackTable:

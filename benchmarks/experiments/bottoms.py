@@ -135,13 +135,9 @@ def measure(bottom: dict[str, Any], _: Options) -> Found:
         # The middle one of three texels; equal ones would be a constant.
         widths = texture(coat["alpha"] * np.array([0.6, 1, 1.7]).reshape(1, 3, 1))
         try:
-            walk, *both = (
-                mi.load_dict({"type": plugin, **coat, **extra, "bottom": below})
-                for plugin, extra in (
-                    *(("layered", {}), ("neural_layered", {})),
-                    ("neural_layered", {"alpha": widths}),
-                )
-            )
+            own = {"type": "neural_layered"}
+            forms = {"type": "layered"}, own, own | {"alpha": widths}
+            walk, *both = (mi.load_dict({**coat, **form, "bottom": below}) for form in forms)
         except (UrushiError, RuntimeError) as error:
             return {"refused": str(error).splitlines()[-1].strip()}
         worst = [

@@ -86,14 +86,13 @@ def tables(found: Found) -> list[str]:
             cells.append(f"{100 * np.mean(part):.1f}{some}" if part else "–")
         families.append([name, *cells])
     head = ["method", "materials", "E [%]: mean", "p95", "smooth coats", "albedo [%]"]
-    made = []
-    if lines:
-        made.append(table([*head, "white: least", "most", "price [ns]"], lines))
-        heads = [f"{x} ({len(own)}; {simple[x]})" for x, own in materials.MATERIALS.items()]
-        made.append(table(["E [%] (materials; simple ones)", *heads], families))
-    if missing:
-        made.append(table(["not measured", "why"], missing))
-    return made
+    heads = [f"{x} ({len(own)}; {simple[x]})" for x, own in materials.MATERIALS.items()]
+    parts = (
+        ([*head, "white: least", "most", "price [ns]"], lines),
+        (["E [%] (materials; simple ones)", *heads], families),
+        (["not measured", "why"], missing),
+    )
+    return [table(*part) for part in parts if part[1]]
 
 
 EXPERIMENT = Experiment(
