@@ -37,10 +37,7 @@ class Table2:
             albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
             sigma_t=rng.choice([0.0, 1.0, 2.0, 5.0], shape),
             g=np.zeros(shape),
-            bottom={
-                "alpha": rng.uniform(0.216, 1.0, n) ** 3,
-                "r0": rng.uniform(0.0, 1.0, n),
-            },
+            bottom={"alpha": rng.uniform(0.216, 1.0, n) ** 3, "r0": rng.uniform(0.0, 1.0, n)},
         )
 
 

@@ -225,12 +225,6 @@ def walk_all(
     return f.reshape(wi.shape[:2]), se.reshape(wi.shape[:2])
 
 
-def albedo_directions() -> np.ndarray:
-    """Unit vectors wi (A, 3) of the `ALBEDO_COSINES`."""
-    cosine = np.array(ALBEDO_COSINES)
-    return np.stack([np.sqrt(1 - cosine**2), np.zeros_like(cosine), cosine], axis=-1)
-
-
 def stack_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
     """E of every stack, (S,), from values (S, M) at all pairs, or at those for E alone."""
     part = slice(None, samples.e_pairs)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from benchmarks.evaluation import predict, samples
 from benchmarks.evaluation.distributions import anisotropic
+from benchmarks.evaluation.report import summary
 from benchmarks.evaluation.samples import Samples
 from benchmarks.experiment import BOTH, Experiment, Found, Options
 from benchmarks.showing import table as markdown
@@ -153,7 +154,7 @@ def measure(group: Group, options: Options) -> Found:
     for way, how in WAYS.items():
         f = [values(held, *how) for held in sets]
         p = [samples.pair_errors(x, held).ravel() for x, held in zip(f, sets, strict=True)]
-        figures = {"E": _summary(_errors(f, sets)), "reference": own}
+        figures = {"E": [*summary(_errors(f, sets)).values()], "reference": own}
         result[way] = figures | {"P": np.median(np.concatenate(p))}
     return result
 
@@ -169,7 +170,7 @@ def tables(found: Found) -> list[str]:
     for name, case in found.items():
         if "layered" not in case:
             parts = [100 * np.array(case[key]) for key in ("Weier", "one width", "networks")]
-            cells = ["{:.1f} / {:.1f} / {:.1f}".format(*_summary(e)) for e in parts]
+            cells = ["{:.1f} / {:.1f} / {:.1f}".format(*summary(e).values()) for e in parts]
             noise = f"{100 * np.mean(case['reference']):.2f}"
             others.append([name.removesuffix(", rivals"), *cells, noise])
             continue
@@ -179,10 +180,6 @@ def tables(found: Found) -> list[str]:
     head = ["stacks: E [%]", *WAYS, "of the reference", "median P: " + " / ".join(WAYS)]
     rivals = ["stacks: E [%]", "Weier and Belcour 2020", "one width", "codes", "of the reference"]
     return [markdown(*part) for part in ((head, own), (rivals, others)) if part[1]]
-
-
-def _summary(e: np.ndarray) -> list[float]:
-    return [e.mean(), *np.percentile(e, [50, 95])]
 
 
 def _cell(shares: list[float]) -> str:

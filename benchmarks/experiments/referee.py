@@ -43,9 +43,8 @@ def measure(name: str, options: Options) -> dict[str, Any]:
         return {"E": {x: v.mean() for x, v in zip(chosen, e, strict=True)}}
     method = methods.METHODS[name]
     try:
-        stacks = {x: materials.STACKS[x] for x in chosen}
         own_walks = options.count(OWN_WALKS, 2)
-        values = methods.evaluated(method, stacks, own_walks)
+        values = methods.evaluated(method, {x: materials.STACKS[x] for x in chosen}, own_walks)
         white = methods.furnace(method, own_walks)
         price = methods.price(method)
     except (subprocess.CalledProcessError, OSError) as error:

@@ -8,6 +8,7 @@ MERL's favour NBRDF, because such networks made them.
 
 import math
 import time
+from collections.abc import Callable
 from functools import cache, partial
 from typing import Any
 
@@ -99,7 +100,7 @@ def measure(subject: Subject | None, options: Options) -> Found:
         if walked is not None:
             walks = options.count(REFERENCE[name][1], 16)
             truth[name], se = walked(wi, wo, walks, SEED + 2000 + seed)
-            own = error("E", truth[name] + se, truth[name], wi, wo) if name == "E" else own
+            own = MEASURES["E"](truth[name] + se, truth[name], wi, wo) if name == "E" else own
         else:
             truth[name] = subject.f(wi, wo)
     found: Found = {"group": subject.group, "reference": own}
@@ -109,7 +110,7 @@ def measure(subject: Subject | None, options: Options) -> Found:
         model = represent(method, subject, options)
         seconds = time.process_time() - begin
         found[method] = {
-            name: error(name, model.f(*pair), truth[name], *pair) for name, pair in pairs.items()
+            name: MEASURES[name](model.f(*pair), truth[name], *pair) for name, pair in pairs.items()
         }
         if original is not None:
             own = psnr(sphere.studio(model.f), original, sphere.mask())
@@ -117,13 +118,12 @@ def measure(subject: Subject | None, options: Options) -> Found:
     return found
 
 
-def error(name: str, f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> float:
-    """E (mean over channels that are not black), the median of P, or L1 [1/sr]."""
-    if name == "E":
-        return measures.error(f_hat, f, wi, wo)
-    if name == "P":
-        return float(np.median(measures.pair_error(f_hat, f)))
-    return float(np.abs(f_hat - f).mean())
+#: E (mean over channels that are not black), the median of P, and L1 [1/sr]: (f_hat, f, wi, wo).
+MEASURES: dict[str, Callable[..., Any]] = {
+    "E": measures.error,
+    "P": lambda f_hat, f, *_: np.median(measures.pair_error(f_hat, f)),
+    "L1": lambda f_hat, f, *_: np.abs(f_hat - f).mean(),
+}
 
 
 def evaluation() -> dict[str, float]:
@@ -142,15 +142,6 @@ def evaluation() -> dict[str, float]:
     return {name: 1e6 * value / EVALUATED for name, value in times.items()}
 
 
-def groups(found: Found) -> dict[str, list[Found]]:
-    """The materials' results by group."""
-    result: dict[str, list[Found]] = {}
-    for case in found.values():
-        if "group" in case:
-            result.setdefault(case["group"], []).append(case)
-    return result
-
-
 def storage() -> dict[str, tuple[int, int, str]]:
     """Numbers of a texel, of a decoder, and what one decoder serves, by method."""
     old, new = rainer.LATENT_2019, rainer.LATENT_2020
@@ -167,7 +158,10 @@ def storage() -> dict[str, tuple[int, int, str]]:
 
 def tables(found: Found) -> list[str]:
     """Tables: storage and times, then each error by method and group."""
-    members = groups(found)
+    members: dict[str, list[Found]] = {}
+    for case in found.values():
+        if "group" in case:
+            members.setdefault(case["group"], []).append(case)
     made = [_costs(found["evaluation"], members)] if "evaluation" in found and members else []
     for name in ERRORS:
         if known := {k: cases for k, cases in members.items() if name in cases[0]["NBRDF"]}:

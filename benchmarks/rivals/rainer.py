@@ -12,6 +12,7 @@ Loss, output and samples are those of `nbrdf`, so that architectures alone are c
 publications' text on the encoder's layers was not at hand; its sizes are ours.
 """
 
+from functools import partial
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -44,10 +45,8 @@ class NeuralBtf(NamedTuple):
 
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         """float32 (N, 3) [1/sr], without cosine, of unit vectors (N, 3)."""
-        return evaluate(self._f, 3, wi, wo)
-
-    def _f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return np.maximum(np.expm1(decode(self.decoder, self.code, _planar(wi, wo), np)), 0)
+        ln_f = partial(decode, self.decoder, self.code, xp=np)
+        return evaluate(lambda *pair: np.maximum(np.expm1(ln_f(_planar(*pair))), 0), 3, wi, wo)
 
 
 def decode(decoder: Layers, code: Any, x: Any, xp: ModuleType) -> Any:
