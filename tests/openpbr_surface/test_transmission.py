@@ -8,7 +8,7 @@ from tests.mitsuba import sampling
 from tests.mitsuba.latents.test_axes import albedo as albedo_of_samples
 from tests.mitsuba.latents.test_axes import interactions, square
 from tests.mitsuba.probes import interaction, sampled
-from tests.openpbr_surface.probes import WHITE, anywhere, loaded, toward, values
+from tests.openpbr_surface.probes import WALKS, WHITE, anywhere, loaded, toward, values
 
 import urushi
 from urushi.core import fresnel
@@ -24,7 +24,6 @@ GLASS = {"transmission_weight": 1.0, "specular_ior": 1.5}
 LEAF = {"geometry_thin_walled": True, "subsurface_weight": 1.0}
 PANE = {"geometry_thin_walled": True, "transmission_weight": 1.0}
 COAT = {"coat_weight": 1.0, "coat_roughness": 0.5, "specular_roughness": 0.4}
-WALKS = {"reference": True, "energy_compensation": False}
 
 
 def load(material, **options):
@@ -43,10 +42,7 @@ def light(bsdf, degrees, count=1 << 16):
 
 def test_samples_of_glass_follow_the_density_on_the_sphere():
     """Of the other closed forms, white furnaces in `test_laws` would be off."""
-    bsdf = load(GLASS | {"specular_roughness": 0.3})
-    for seed, degrees in enumerate((20, 70, 110, 160)):
-        test = sampling.chi_squared(bsdf, degrees, seed, 1.5)
-        assert test.run(0.01, test_count=4, quiet=True), test.messages
+    sampling.check(load(GLASS | {"specular_roughness": 0.3}), (20, 70, 110, 160), 1, 1.5)
 
 
 @pytest.mark.parametrize("degrees", [10, 150])
