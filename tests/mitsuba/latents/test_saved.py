@@ -14,7 +14,7 @@ from urushi import files
 from urushi.errors import UrushiWarning
 from urushi.mitsuba.reading import probing
 from urushi.nets import weights
-from urushi.textures.store import TexelGrid
+from urushi.textures.store import TexelGrid, read_texture, write_texture
 
 PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (5, 6, 3)).astype(np.float32)
 
@@ -114,6 +114,7 @@ DAMAGES = [
     lambda description, arrays: arrays.pop("texels"),
     lambda description, arrays: arrays.update(texels=arrays["texels"][:-1]),
     lambda description, arrays: arrays.update(step=arrays["step"] * np.float32(np.nan)),
+    lambda description, arrays: description.update(width=7),
     lambda description, arrays: description.update(height=0),
     lambda description, arrays: description["layout"].update(stride=400),
     lambda description, arrays: description["layout"].update(low=[0] * 32),
@@ -123,10 +124,6 @@ DAMAGES = [
     lambda description, arrays: description.pop("place"),
     lambda description, arrays: description.pop("width"),
 ]
-UNFILLED = [
-    lambda description, arrays: description.update(width=7),
-    lambda description, arrays: description.update(width=-9, height=-9),
-]
 OTHERS = [lambda description, arrays, x=x: description.update(version=x) for x in (1, 2, 3, 5)]
 
 
@@ -134,7 +131,6 @@ OTHERS = [lambda description, arrays, x=x: description.update(version=x) for x i
     ("change", "sentence"),
     [
         *((x, "the texture file .* is damaged") for x in DAMAGES),
-        *((x, "is damaged .*do not fill its grid") for x in UNFILLED),
         *((x, "version . of the texture") for x in OTHERS),
     ],
 )
@@ -145,6 +141,15 @@ def test_a_damaged_file_and_other_versions_are_refused(rgb, shipped, saved, chan
     description.pop("kind")
     files.write_tensors(path, "texture", description, arrays)
     with pytest.raises(RuntimeError, match=f"FileError: .*{sentence}"):
+        loaded(path, shipped)
+
+
+@pytest.mark.parametrize("size", [{"width": 7}, {"width": -9, "height": -9}])
+def test_a_whole_file_whose_texels_do_not_fill_its_grid_is_refused(rgb, shipped, saved, size):
+    _, path = saved
+    texture, grid, model = read_texture(path, weights.find(shipped))
+    write_texture(path, texture, grid._replace(**size), model.fingerprint)
+    with pytest.raises(RuntimeError, match="FileError: .* is damaged .*do not fill its grid"):
         loaded(path, shipped)
 
 

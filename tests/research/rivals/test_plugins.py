@@ -22,10 +22,7 @@ def registered():
 
 BOTTOMS = {
     "conductor": (GOLD, urushi.conductor(0.2, eta=0.2, k=3.9)),
-    "diffuse": (
-        stage.diffuse(0.9, 0.5, 0.1),
-        urushi.diffuse((0.9, 0.5, 0.1)),
-    ),
+    "diffuse": (stage.diffuse(0.9, 0.5, 0.1), urushi.diffuse((0.9, 0.5, 0.1))),
 }
 
 
