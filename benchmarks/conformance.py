@@ -34,7 +34,6 @@ KIND, FILE = "conformance", Path(__file__).with_suffix(".safetensors")
 #: `ERROR`.
 WALKS, PILOT, MOST_ROUNDS, ERROR = 1024, 2, 64, 0.004
 
-
 #: Arrays of the reference by name: wi and wo float32 (N, 3), unit vectors above the horizon, z the
 #: normal, x the tangent; f and se float32 (M, N, 3) [1/sr], mean and standard error, linear sRGB,
 #: without cosine.

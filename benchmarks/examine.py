@@ -15,7 +15,7 @@ import numpy as np
 import tyro
 from benchmarks import measures, sphere
 from benchmarks.measures import Brdf, error, half_angle_pairs, in_plane
-from benchmarks.pictures import compare
+from benchmarks.pictures import psnr
 from benchmarks.showing import figure as empty
 from benchmarks.showing import percent, table
 
@@ -61,14 +61,14 @@ def examine(path: Path, name: str, source: Any, material: Material) -> dict[str,
     wi, wo = half_angle_pairs(rng, P_PAIRS)
     truth, _ = evaluate_source(source, wi, wo, widths=widths)
     averaged = widths == 1 and (deviations.anisotropy or 0.0) > RELATIVE_TOLERANCE
-    both = _isotropic(source, averaged), material.f
-    pictures, inside = [sphere.studio(f) for f in both], sphere.mask()
+    both = _isotropic(source, AZIMUTHS if averaged else 1), material.f
+    pictures = [sphere.studio(f) for f in both]
     figures = {
         "E": e,
         "P": float(np.median(measures.pair_error(material.f(wi, wo), truth))),
         "anisotropy": deviations.anisotropy,
         "reciprocity": deviations.reciprocity,
-        "PSNR": compare(pictures[1], pictures[0], inside)[0],
+        "PSNR": psnr(pictures[1], pictures[0], sphere.mask()),
     }
     lit = in_plane(-np.radians(ALBEDO_ANGLES))
     count = len(INCIDENT), len(OUTGOING)
@@ -92,16 +92,15 @@ def _opened(source: Any) -> Source:
     )
 
 
-def _isotropic(source: Source, averaged: bool) -> Brdf:
-    """f(wi, wo) -> (N, C) of a source, averaged over the azimuth if that is needed."""
+def _isotropic(source: Source, azimuths: int) -> Brdf:
+    """f(wi, wo) -> (N, C) of a source, averaged over a number of azimuths."""
 
-    def columns(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return np.asarray(source.f(wi, wo), np.float32).reshape(len(wi), -1)
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        pairs = rotated_pairs(wi, wo, azimuths)
+        values = [np.asarray(source.f(*pair), np.float32) for pair in pairs]
+        return np.mean(values, axis=0).reshape(len(wi), -1)
 
-    def mean(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return np.mean([columns(*pair) for pair in rotated_pairs(wi, wo, AZIMUTHS)], axis=0)
-
-    return mean if averaged else columns
+    return f
 
 
 def draw(

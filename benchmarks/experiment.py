@@ -192,9 +192,8 @@ def _write_json(path: Path, values: Any) -> None:
 
 def processor() -> str:
     """The name of this machine's processor."""
-    found = re.search(
-        r"^model name\s*: (.*)", Path("/proc/cpuinfo").read_text("utf-8"), re.MULTILINE
-    )
+    text = Path("/proc/cpuinfo").read_text("utf-8")
+    found = re.search(r"^model name\s*: (.*)", text, re.MULTILINE)
     return found[1] if found else platform.machine()
 
 
@@ -252,7 +251,7 @@ def shown() -> dict[Path, str]:
         pages, sentence = [ROOT / page for page in experiment.pages], source(name)
         old = re.compile(rf"Source: `python -m benchmarks {name}`;.*?\.(?=\n\n|\n?\Z)", re.DOTALL)
         for page in pages:
-            text = texts[page] if page in texts else page.read_text()
+            text = texts.get(page) or page.read_text()
             texts[page] = old.sub(lambda _, new=sentence: new, text)
         for new in experiment.tables(found["cases"]):
             head = new.partition("\n")[0]

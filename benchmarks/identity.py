@@ -38,6 +38,8 @@ from urushi.train import training as loop
 
 #: Pairs of directions.
 PAIRS = 500
+GOLD = urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))
+STACK = urushi.coat(GOLD, alpha=0.05, eta=1.5, albedo=0.8, sigma_t=(0.2, 1.0, 3.0))
 
 Entries = dict[str, str]
 
@@ -67,17 +69,9 @@ def coat(base: dict[str, Any], **parameters: Any) -> dict[str, Any]:
     return {"type": "neural_layered", **parameters, "base": base}
 
 
-def gold() -> Any:
-    return urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))
-
-
-def stack() -> urushi.Stack:
-    return urushi.coat(gold(), alpha=0.05, eta=1.5, albedo=0.8, sigma_t=(0.2, 1.0, 3.0))
-
-
 def layered() -> urushi.Material:
     top = urushi.dielectric(0.1, 1.4)
-    return urushi.layer(top, urushi.encode(gold()), albedo=0.3, sigma_t=2.0)
+    return urushi.layer(top, urushi.encode(GOLD), albedo=0.3, sigma_t=2.0)
 
 
 def colors() -> dict[str, Any]:
@@ -113,13 +107,13 @@ def codes() -> Entries:
     }
     materials = {
         **{name: saved(bsdf, urushi.load) for name, bsdf in bsdfs.items()},
-        "encoded description": urushi.encode(gold()),
-        "encoded stack": urushi.encode(stack()),
+        "encoded description": urushi.encode(GOLD),
+        "encoded stack": urushi.encode(STACK),
         "encoded function": urushi.encode(
             lambda wi, wo: np.exp(-3 * np.sum((wi - wo) ** 2, 1))[:, None] * [0.1, 0.2, 0.3]
         ),
         "layered": layered(),
-        "blended": urushi.lerp(urushi.encode(gold()), layered(), 0.3),
+        "blended": urushi.lerp(urushi.encode(GOLD), layered(), 0.3),
     }
     return {name: hashed(material.latents) for name, material in materials.items()}
 
@@ -128,7 +122,7 @@ def values() -> Entries:
     """What a stack and a material give for pairs of directions."""
     (wi, wo, u), material = inputs(), layered()
     return {
-        "simulate": hashed(*urushi.simulate(stack(), wi, wo, walks=256, progress=False)),
+        "simulate": hashed(*urushi.simulate(STACK, wi, wo, walks=256, progress=False)),
         "f": hashed(material.f(wi, wo)),
         "pdf": hashed(material.pdf(wi, wo)),
         "sample": hashed(*material.sample(wi, u)[:2]),

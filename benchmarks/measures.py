@@ -1,7 +1,6 @@
 """Measures of BRDFs: the errors E and P, the pairs of P, and errors of coats."""
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -95,10 +94,6 @@ def half_angle_pairs(rng: np.random.Generator, n: int, *, slopes: bool = False) 
         return (turned(wi, turn), turned(wo, turn)) if slopes else (wi, wo)
 
     return accepted(draw, n, 0.0)
-
-
-#: `half_angle_pairs` for anisotropic BRDFs.
-slope_pairs = partial(half_angle_pairs, slopes=True)
 
 
 def in_plane(angles: npt.ArrayLike) -> np.ndarray:

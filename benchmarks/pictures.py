@@ -9,7 +9,6 @@ against a converged picture by `layered`, with the noise of both pictures subtra
 import contextlib
 import gc
 import hashlib
-import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -20,7 +19,7 @@ import flip_evaluator
 import mitsuba as mi
 import numpy as np
 from benchmarks.experiment import kept
-from benchmarks.scenes import OWN, PAPER, WALK, describe, digest
+from benchmarks.scenes import PAPER, WALK, View
 from fan2022.kernels import separate_kernels
 from tqdm import tqdm
 
@@ -36,48 +35,21 @@ PASS_SPP, PASSES, LEAST_SPP = 16, 4, 2
 LONG, LONG_TURNS, SLOW = 8, 4, 10
 
 
-def compare(image: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
-    """PSNR [dB], at most `BEST_PSNR`, and mean FLIP (Andersson et al. 2020) of pictures in sRGB.
+def psnr(image: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> float:
+    """PSNR [dB] in sRGB of two pictures (H, W, 3) of linear radiance, at most `BEST_PSNR`.
 
-    They are those of the pixels of a mask (H, W) of two pictures (H, W, 3) of linear radiance: a
-    black background would make every measure better.
+    It is that of the pixels of a mask (H, W): a black background would make it better.
     """
-    image, reference = metrics.shown(image), metrics.shown(reference)
-    psnr = min(metrics.psnr(image[mask], reference[mask]), BEST_PSNR)
-    return psnr, float(flip_map(image, reference)[mask].mean())
+    return min(metrics.psnr(*(metrics.shown(x)[mask] for x in (image, reference))), BEST_PSNR)
 
 
-def flip_map(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """FLIP by pixel (H, W) of pictures in [0, 1], at 67 pixels per degree of the visual field."""
-    pair = (np.ascontiguousarray(x, dtype=np.float32) for x in (reference, image))
-    result, _, _ = flip_evaluator.evaluate(*pair, "LDR", applyMagma=False)
-    return result.reshape(image.shape[:2])
+def flip(image: np.ndarray, reference: np.ndarray) -> float:
+    """Mean FLIP (Andersson et al. 2020) of pictures (H, W, 3) of linear radiance in sRGB.
 
-
-@dataclass(frozen=True)
-class View:
-    """A scene of `benchmarks.scenes` as it is rendered; attributes as of `scenes.describe`."""
-
-    scene: str
-    light: str = OWN
-    width: int = 96
-    detail: float = 0.25
-    depth: int = 6
-
-    @property
-    def name(self) -> str:
-        return f"{self.scene}-{self.light}-{self.width}-{self.depth}"
-
-    def described(self, method: str, folder: Path) -> dict[str, Any]:
-        """The scene for `mi.load_dict`, with files in a folder."""
-        size = {"width": self.width, "detail": self.detail, "depth": self.depth}
-        return describe(self.scene, method, folder, light=self.light, **size)
-
-    def load(self, method: str) -> tuple[Any, str]:
-        """The scene for `mi.render`, and the hash of everything that its picture depends on."""
-        with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
-            scene = self.described(method, Path(folder))
-            return mi.load_dict(scene), f"{digest(scene, Path(folder))} {PASS_SPP}"
+    There are 67 pixels per degree of the visual field.
+    """
+    pair = (np.ascontiguousarray(metrics.shown(x), np.float32) for x in (reference, image))
+    return float(flip_evaluator.evaluate(*pair, "LDR", applyMagma=False)[0].mean())
 
 
 @dataclass(frozen=True)

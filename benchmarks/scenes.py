@@ -8,7 +8,9 @@ same scene.
 
 import hashlib
 import re
+import tempfile
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +31,7 @@ PAPER = "fan2022:"
 #: The still life with textures of the coats' alpha and index, as in Figure 1 of Fan et al. (2022);
 #: their ranges, and texels along a side.
 TEXTURED = "textured-still-life"
-ALPHAS, INDICES, TEXELS = (0.03, 0.45), (1.3, 1.9), 512
+RANGES, TEXELS = {"alpha": (0.03, 0.45), "int_ior": (1.3, 1.9)}, 512
 WALK, PRINCIPLED = "layered", "principled"
 #: Models of other authors, which take the parameters of `WALK`.
 RIVALS = ("layered_belcour", "layered_weidlich")
@@ -48,43 +50,56 @@ SUN, EXPOSURE = (-0.5, -0.6, 0.6), 4.0
 BESIDE = (0.35, 0.5)
 
 
-def describe(
-    name: str,
-    method: str,
-    folder: Path,
-    *,
-    light: str = OWN,
-    width: int,
-    detail: float = 1.0,
-    depth: int = 6,
-) -> dict[str, Any]:
-    """A scene for `mi.load_dict`.
+@dataclass(frozen=True)
+class View:
+    """A scene as it is rendered.
 
-    Args:
-        name: one of `SCENES`, or `TEXTURED`.
-        method: weights by name or file, `WALK`, one of `RIVALS`, or `PRINCIPLED`.
-        folder: for meshes and textures.
+    Attributes:
+        scene: one of `SCENES`, or `TEXTURED`.
         light: one of `LIGHTS`, or `BOTH`.
         width: of the picture [pixels]; the height is 3/4 of it.
         detail: factor on the size of the textures.
         depth: longest path, in segments; 2: direct light alone, which has no caustics.
     """
-    height = width * 3 // 4
-    kind = WALK if method == WALK or method in RIVALS else COATS[0]
-    options = Options(coat=kind, width=width, height=height, detail=detail)
-    scene = export.build(GALLERY["still-life" if name == TEXTURED else name], folder, options)
-    if name == TEXTURED:
-        scene = _textured(scene, folder, options)
-    if light == BOTH:
-        scene["point"] = _light(POINT, scene["sensor"])
-    elif light != OWN:
-        nodes = {key: node for key, node in scene.items() if isinstance(node, dict)}
-        for key, node in nodes.items():
-            if node["type"] == "envmap" or "emitter" in node:
-                del scene[key]
-        scene["light"] = _light(light, scene["sensor"])
-    scene["integrator"] = {"type": "path", "max_depth": depth}
-    return _with_method(scene, method)
+
+    scene: str
+    light: str = OWN
+    width: int = 96
+    detail: float = 0.25
+    depth: int = 6
+
+    @property
+    def name(self) -> str:
+        return f"{self.scene}-{self.light}-{self.width}-{self.depth}"
+
+    def described(self, method: str, folder: Path) -> dict[str, Any]:
+        """The scene for `mi.load_dict`, with meshes and textures in a folder.
+
+        method: weights by name or file, `WALK`, one of `RIVALS`, or `PRINCIPLED`.
+        """
+        kind = WALK if method == WALK or method in RIVALS else COATS[0]
+        size = {"width": self.width, "height": self.width * 3 // 4}
+        options = Options(coat=kind, detail=self.detail, **size)
+        name = "still-life" if self.scene == TEXTURED else self.scene
+        scene = export.build(GALLERY[name], folder, options)
+        if self.scene == TEXTURED:
+            scene = _textured(scene, folder, options)
+        if self.light == BOTH:
+            scene["point"] = _light(POINT, scene["sensor"])
+        elif self.light != OWN:
+            nodes = {key: node for key, node in scene.items() if isinstance(node, dict)}
+            for key, node in nodes.items():
+                if node["type"] == "envmap" or "emitter" in node:
+                    del scene[key]
+            scene["light"] = _light(self.light, scene["sensor"])
+        scene["integrator"] = {"type": "path", "max_depth": self.depth}
+        return _with_method(scene, method)
+
+    def load(self, method: str) -> tuple[Any, str]:
+        """The scene for `mi.render`, and its `digest`."""
+        with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
+            scene = self.described(method, Path(folder))
+            return mi.load_dict(scene), digest(scene, Path(folder))
 
 
 def digest(scene: dict[str, Any], folder: Path) -> str:
@@ -167,9 +182,7 @@ def _textured(scene: dict[str, Any], folder: Path, options: Options) -> dict[str
     for name, shares in patterns.items():
         textures = {
             parameter: files.texture(f"{name}-{parameter}", low * (high / low) ** share)
-            for parameter, (low, high), share in zip(
-                ("alpha", "int_ior"), (ALPHAS, INDICES), shares, strict=True
-            )
+            for (parameter, (low, high)), share in zip(RANGES.items(), shares, strict=True)
         }
         result[name] = _with_coats(scene[name], lambda node, own=textures: node | own)
     return result

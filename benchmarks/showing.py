@@ -26,9 +26,9 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join([first, "|---" * len(head) + "|", *others])
 
 
-def percent(value: float | None, digits: int = 2) -> str:
-    """A share in per cent, with `digits` significant digits; a dash for nothing."""
-    return "–" if value is None else f"{100 * value:.{digits}g} %"
+def percent(value: float | None) -> str:
+    """A share in per cent, with two significant digits; a dash for nothing."""
+    return "–" if value is None else f"{100 * value:.2g} %"
 
 
 def interval(values: np.ndarray) -> tuple[float, float]:

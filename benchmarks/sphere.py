@@ -6,10 +6,8 @@ pixel receives from a cell of the environment's grid depends only on the differe
 azimuths. This *transport* is integrated once per BRDF, at nodes that are the same for all BRDFs,
 and gives its picture in every environment.
 
-Where the half angle is large, the nodes are the cells' middles. Around the mirror direction, where
-highlights may be far narrower than a cell, they lie on a polar grid of half vectors, dense towards
-the normal, and their values are distributed bilinearly to the cells around them. Between the two
-regions the weights are blended.
+The nodes lie on a polar grid of half vectors, dense towards the normal: highlights may be far
+narrower than a cell. Their values are distributed bilinearly to the cells around them.
 """
 
 from functools import cache
@@ -25,10 +23,8 @@ ELEVATIONS, AZIMUTHS = 96, 192
 FINE = 8
 #: Number of rings of pixels: half the pictures' width and height.
 RINGS = 64
-#: Number of half vectors around the mirror direction along both angles, and the range of half
-#: angles where the two kinds of nodes are blended [rad].
-HALF_ANGLES, HALF_AZIMUTHS = 40, 96
-BLEND = np.radians(4.0), np.radians(10.0)
+#: Number of half vectors along both angles.
+HALF_ANGLES, HALF_AZIMUTHS = 120, 192
 #: Number of parts in which a BRDF is evaluated at all nodes, to bound the memory.
 PARTS = 4
 #: Mean luminance of a white Lambertian sphere in the studio.
@@ -109,58 +105,37 @@ def radiance() -> np.ndarray:
 
 @cache
 def nodes() -> tuple[np.ndarray, ...]:
-    """The pairs at which a BRDF is integrated, for all rings: about 800,000 nodes.
+    """The pairs at which a BRDF is integrated, for all rings: about a million nodes.
 
     Returns:
         wi, wo: float32 (N, 3), both above the horizon, in the frame of the surface.
         cell: (N, 4) flat indices into (RINGS, ELEVATIONS, AZIMUTHS): cells to which a node adds.
         weight: (N, 4) solid angle times cosine of wo times share, for each of these cells.
     """
-    parts = [part for ring in range(RINGS) for part in (_cells(ring), _half_vectors(ring))]
-    wi, wo, cell, weight = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    wi, wo, cell, weight = (
+        np.concatenate(arrays) for arrays in zip(*map(_half_vectors, range(RINGS)), strict=True)
+    )
     return wi.astype(np.float32), wo.astype(np.float32), cell, weight
 
 
-def _cells(ring: int) -> tuple[np.ndarray, ...]:
-    """Nodes in the cells' middles; their weight is zero where only half vectors are used."""
-    edges = np.cos(np.pi * np.arange(ELEVATIONS + 1) / ELEVATIONS)
-    theta = np.pi * (np.arange(ELEVATIONS) + 0.5) / ELEVATIONS
-    azimuth = 2 * np.pi * np.arange(AZIMUTHS) / AZIMUTHS
-    wi, to_local = _view(ring)
-    wo = _vectors(theta, azimuth) @ to_local.T
-    solid_angle = np.repeat(edges[:-1] - edges[1:], AZIMUTHS) * (2 * np.pi / AZIMUTHS)
-    half = wi + wo
-    angle = np.arctan2(np.hypot(*half.T[:2]), half[:, 2])
-    weight = solid_angle * wo[:, 2] * (1 - _half_vector_weight(angle))
-    kept = np.flatnonzero((wo[:, 2] > 0) & (weight > 0))
-    # Each node belongs to one cell: the other three shares are zero.
-    cell = np.repeat((kept + ring * ELEVATIONS * AZIMUTHS)[:, None], 4, axis=1)
-    return np.broadcast_to(wi, (len(kept), 3)), wo[kept], cell, weight[kept, None] * np.eye(4)[:1]
-
-
 def _half_vectors(ring: int) -> tuple[np.ndarray, ...]:
-    """Nodes around the mirror direction; the half angle grows with the square of the index."""
-    edge = np.cos(BLEND[1] * (np.arange(HALF_ANGLES + 1) / HALF_ANGLES) ** 2)
-    theta = BLEND[1] * ((np.arange(HALF_ANGLES) + 0.5) / HALF_ANGLES) ** 2
+    """The nodes of a ring; the half angle grows with the square of the index."""
+    edge = np.cos(0.5 * np.pi * (np.arange(HALF_ANGLES + 1) / HALF_ANGLES) ** 2)
+    theta = 0.5 * np.pi * ((np.arange(HALF_ANGLES) + 0.5) / HALF_ANGLES) ** 2
     azimuth = 2 * np.pi * (np.arange(HALF_AZIMUTHS) + 0.5) / HALF_AZIMUTHS
-    area = (edge[:-1] - edge[1:]) * 2 * np.pi / HALF_AZIMUTHS * _half_vector_weight(theta)
+    area = (edge[:-1] - edge[1:]) * 2 * np.pi / HALF_AZIMUTHS
     half, (wi, to_local) = _vectors(theta, azimuth), _view(ring)
     cosine = half @ wi
     wo = 2 * cosine[:, None] * half - wi
     # dwo = 4 (wi.h) dh (Walter et al. 2007)
     weight = 4 * cosine * wo[:, 2] * np.repeat(area, HALF_AZIMUTHS)
-    kept = (cosine > 0) & (wo[:, 2] > 0) & (weight > 0)
+    kept = (cosine > 0) & (wo[:, 2] > 0)
     wo, weight = wo[kept], weight[kept]
     x, y, z = (wo @ to_local).T
     row = np.clip(np.arctan2(np.hypot(x, y), z) / np.pi * ELEVATIONS - 0.5, 0, ELEVATIONS - 1)
     cell, share = _around(row, np.arctan2(y, x) / (2 * np.pi) * AZIMUTHS, ELEVATIONS)
     wi = np.broadcast_to(wi, (len(wo), 3))
     return wi, wo, cell + ring * ELEVATIONS * AZIMUTHS, weight[:, None] * share
-
-
-def _half_vector_weight(half_angle: np.ndarray) -> np.ndarray:
-    """Weight of the half vectors at a half angle; it falls smoothly from 1 to 0 over `BLEND`."""
-    return stage.smoothstep(BLEND[1], BLEND[0], half_angle)
 
 
 def _vectors(theta: np.ndarray, azimuth: np.ndarray) -> np.ndarray:

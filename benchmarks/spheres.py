@@ -7,14 +7,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 from benchmarks import timing
 from benchmarks.scenes import PRINCIPLED, coat
+from benchmarks.sphere import SKY
 from gallery import stage
 
-SKY = (0.35, 0.36, 0.4), (0.25, 0.24, 0.23), (0.08, 0.07, 0.06)
 LAMPS = (
     *(stage.Light((side, -0.6, 0.9), (0.3, 0.3), (9.0, 9.0, 9.0)) for side in (-1.0, 1.0)),
     stage.Light((0.0, -1.0, 0.15), (0.08, 0.08), (12.0, 12.0, 12.0)),
@@ -89,12 +88,7 @@ def scene(bsdf: dict[str, Any], size: int) -> "mi.Scene":
 
 def seconds(loaded: "mi.Scene", spp: int, seed: int) -> float:
     """CPU time of one render [s]."""
-
-    def render() -> None:
-        dr.eval(mi.render(loaded, spp=spp, seed=seed))
-        dr.sync_thread()
-
-    return timing.seconds(render)
+    return timing.seconds(lambda: mi.render(loaded, spp=spp, seed=seed).numpy())
 
 
 def renders(

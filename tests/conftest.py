@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.directions import above
+from tests.directions import pairs_near_mirrors
 from tests.fast import skip_optional_passes
 
 from urushi.platform import available_cores
@@ -231,22 +231,11 @@ def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     )
 
 
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-
-
 @pytest.fixture(scope="session")
 def pairs() -> tuple[np.ndarray, np.ndarray]:
     """2,003 pairs on the upper hemisphere: random, near the mirror direction, grazing, normal."""
-    rng = np.random.default_rng(11)
-    wi, wo = (_unit(rng.normal(size=(2000, 3))) for _ in range(2))
-    wi[:, 2], wo[:, 2] = np.abs(wi[:, 2]), np.abs(wo[:, 2])
-    mirrored = wi[:500] * [-1, -1, 1] + 1e-3 * rng.normal(size=(500, 3))
-    wo[:500] = _unit(mirrored * [1, 1, 0] + [0, 0, 1] * np.abs(mirrored))
-    wi[500:700, 2] *= 1e-4
-    wi[500:700] = _unit(wi[500:700])
     corners = [[[0, 0, 1], [1, 0, 0], [1, 0, 0]], [[0, 0, 1], [-1, 0, 0], [1, 0, 0]]]
-    return tuple(np.concatenate([[wi, wo], corners], axis=1).astype(np.float32))
+    return tuple(np.concatenate([pairs_near_mirrors(2000), np.float32(corners)], axis=1))
 
 
 @pytest.fixture(scope="session")
@@ -254,13 +243,7 @@ def directions() -> np.ndarray:
     """1,000 float32 unit vectors over the whole sphere; a tenth of them are grazing."""
     vectors = np.random.default_rng(43).normal(size=(1000, 3))
     vectors[::10, 2] *= 1e-3
-    return _unit(vectors).astype(np.float32)
-
-
-@pytest.fixture(scope="session")
-def random_directions():
-    """A function (count, seed) -> float32 (count, 3), uniform over the upper hemisphere."""
-    return above
+    return np.float32(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
 @pytest.fixture(scope="session")

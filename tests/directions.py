@@ -31,3 +31,23 @@ def in_plane(degrees) -> np.ndarray:
     """At angles to the normal, in the xz plane."""
     polar = np.radians(degrees)
     return np.stack([np.sin(polar), 0 * polar, np.cos(polar)], axis=-1).astype(np.float32)
+
+
+def hemisphere(count: int, seed: int) -> np.ndarray:
+    """Above the horizon, a third of them grazing."""
+    w = np.random.default_rng(seed).normal(size=(count, 3))
+    w[::3, 2] *= 1e-2
+    return _upward(w)
+
+
+def pairs_near_mirrors(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs, half of them close to mirror directions."""
+    wi, wo = hemisphere(count, 1), hemisphere(count, 2)
+    noise = np.random.default_rng(3).normal(size=(count, 3)) * 0.01
+    wo[::2] = _upward(wi * [-1, -1, 1] + noise)[::2]
+    return wi, wo
+
+
+def _upward(w: np.ndarray) -> np.ndarray:
+    w = w * [1, 1, 0] + np.abs(w) * [0, 0, 1]
+    return (w / np.linalg.norm(w, axis=1, keepdims=True)).astype(np.float32)

@@ -5,7 +5,8 @@ import struct
 import time
 import tracemalloc
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from urushi.errors import UrushiError, UrushiWarning
@@ -41,11 +42,22 @@ def fuzz(
     return count
 
 
-def _is_read(read: Callable[[Path], object], path: Path, memory: int) -> bool:
-    begin = time.process_time()
+@contextmanager
+def bounded(memory: int) -> Iterator[None]:
+    """Fail where more bytes are allocated at once."""
     tracemalloc.start()
     try:
-        with warnings.catch_warnings():
+        yield
+    finally:
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert peak < memory, f"{peak} bytes"
+
+
+def _is_read(read: Callable[[Path], object], path: Path, memory: int) -> bool:
+    begin = time.process_time()
+    try:
+        with bounded(memory), warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.simplefilter("ignore", UrushiWarning)
             read(path)
@@ -54,9 +66,6 @@ def _is_read(read: Callable[[Path], object], path: Path, memory: int) -> bool:
         assert str(error) and "\n" not in str(error), "an error of several lines"
         return False
     finally:
-        peak = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        assert peak < memory, f"{peak} bytes"
         assert time.process_time() - begin < TIME, "too slow"
 
 

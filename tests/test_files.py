@@ -108,12 +108,25 @@ def test_folders_and_other_suffixes_are_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_an_archive_that_claims_a_huge_array_is_refused(tmp_path):
-    """Before memory is taken for it, which no machine has."""
+def test_archives_of_other_content_are_refused(tmp_path):
+    """One that claims a huge array before memory is taken for it, which no machine has."""
     path, header = tmp_path / "pairs.npz", io.BytesIO()
+
+    def refused(sentence=r"it is not an NPZ file; write it with numpy\.savez"):
+        with pytest.raises(FileError, match=sentence):
+            read_npz(path, "wi", "wo")
+
+    path.write_text("no archive")
+    refused()
+    np.savez(path, wi=np.zeros((1, 3)))
+    refused("must hold the arrays wi and wo")
+    np.savez(path, wi=np.array([{}], dtype=object), wo=np.zeros((1, 3)))  # would need pickle
+    refused()
+    path.write_bytes(path.read_bytes()[:100])
+    refused()
     shape = {"descr": "<f8", "fortran_order": False, "shape": (1 << 50, 3)}
     np.lib.format.write_array_header_1_0(header, shape)
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("wi.npy", header.getvalue())
-    with pytest.raises(FileError, match=r"it is not an NPZ file; write it with numpy\.savez"):
-        read_npz(path, "wi")
+        for name in ("wi", "wo"):
+            archive.writestr(f"{name}.npy", header.getvalue())
+    refused()

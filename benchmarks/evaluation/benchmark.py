@@ -13,6 +13,7 @@ import os
 import platform
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -20,9 +21,8 @@ from typing import Any
 
 import numpy as np
 from benchmarks.evaluation import samples as sampling
-from benchmarks.evaluation.distributions import to_dict
 from benchmarks.evaluation.samples import ALBEDO_STACKS, E_PAIRS, GROUPS, Group, Samples
-from benchmarks.measures import DARK_OFFSET
+from benchmarks.measures import DARK_OFFSET, in_plane
 from tqdm import tqdm
 
 from urushi import files
@@ -74,48 +74,38 @@ def read(path: str | os.PathLike = FILE, groups: tuple[Group, ...] = GROUPS) -> 
     for group in groups:
         if not group.distribution.coats:
             result[group.name] = simulate(group, description["seed"])
-        elif stored.get(group.name) != describe(group):
+            continue
+        if stored.get(group.name) != describe(group):
             raise FileError(
                 f"the benchmark set '{path}' lacks the group '{group.name}' or was made for other "
                 f"stacks of that name; {_REMEDY}"
             )
-        else:
-            prefix = f"{group.name}."
-            own = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
-            result[group.name] = _samples(path, group, description["seed"], own)
+        prefix, kind = f"{group.name}.", group.distribution.bottom
+        own = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
+        wi, wo = sampling.draw_pairs(group, description["seed"])
+        # Within rounding: sines may differ in the last digit between machines.
+        last = np.stack([wi[:, -1], wo[:, -1]], axis=1)
+        if not np.allclose(last, own["last_pair"], atol=1e-5):
+            raise FileError(
+                f"the directions of the benchmark set '{path}' cannot be reproduced: another NumPy "
+                f"or another Urushi made it; {_REMEDY}"
+            )
+        columns = zip(CoatParameters._fields, np.moveaxis(own["coats"], -1, 0), strict=True)
+        bottom = dict(zip(KINDS[kind].parameters, own["bottom"].T, strict=True))
+        table = StackTable(**dict(columns), kind=kind, bottom=bottom)
+        probed = {coats: own[f"probed{coats}"] for coats in group.probed}
+        values = own["f"], own["se"].astype(np.float32), probed, own["albedo"], own["albedo_se"]
+        result[group.name] = Samples(table, wi, wo, *values)
     return result
 
 
-def _samples(
-    path: str | os.PathLike, group: Group, seed: int, arrays: Mapping[str, np.ndarray]
-) -> Samples:
-    """A group's set from its stored arrays and its directions, drawn again."""
-    wi, wo = sampling.draw_pairs(group, seed)
-    # Within rounding: sines may differ in the last digit between machines.
-    if not np.allclose(np.stack([wi[:, -1], wo[:, -1]], 1), arrays["last_pair"], atol=1e-5):
-        raise FileError(
-            f"the directions of the benchmark set '{path}' cannot be reproduced: another NumPy or "
-            f"another Urushi made it; {_REMEDY}"
-        )
-    kind = group.distribution.bottom
-    columns = dict(zip(CoatParameters._fields, np.moveaxis(arrays["coats"], -1, 0), strict=True))
-    bottom = dict(zip(KINDS[kind].parameters, arrays["bottom"].T, strict=True))
-    return Samples(
-        table=StackTable(**columns, kind=kind, bottom=bottom),
-        wi=wi,
-        wo=wo,
-        f=arrays["f"],
-        se=arrays["se"].astype(np.float32),
-        probed={coats: arrays[f"probed{coats}"] for coats in group.probed},
-        albedo=arrays["albedo"],
-        albedo_se=arrays["albedo_se"],
-    )
-
-
 def describe(group: Group) -> dict[str, object]:
+    fields = asdict(group.distribution)
+    if fields.get("indices") == "common":  # the stored set has no indices where they are common
+        del fields["indices"]
     return {
         "name": group.name,
-        "distribution": to_dict(group.distribution),
+        "distribution": {"kind": type(group.distribution).__name__.lower(), **fields},
         "stacks": group.stacks,
         "probed": list(group.probed),
         "pairs": [sampling.E_PAIRS, sampling.P_PAIRS, PROBES],
@@ -180,8 +170,8 @@ def simulate(group: Group, seed: int = 0, *, only_e: bool = False) -> Samples:
     }
     if only_e:
         return Samples(table, wi, wo, f, se, probed)
-    albedo, albedo_se = _albedo(sampling.part(table, slice(ALBEDO_STACKS)), rng, group.name)
-    return Samples(table, wi, wo, f, se, probed, albedo, albedo_se)
+    first = sampling.part(table, slice(ALBEDO_STACKS))
+    return Samples(table, wi, wo, f, se, probed, *_albedo(first, rng, group.name))
 
 
 def _adaptive(
@@ -237,7 +227,7 @@ def _albedo(
     table: StackTable, rng: np.random.Generator, name: str
 ) -> tuple[np.ndarray, np.ndarray]:
     """Directional albedo and its standard error (S, A), by the same quadrature as materials."""
-    wi = sampling.albedo_directions()
+    wi = in_plane(np.arccos(sampling.ALBEDO_COSINES)).astype(np.float64)
     wo, weights = half_vector_rule(wi)
     count, nodes = weights.shape
     shape = len(table), count, nodes
@@ -255,10 +245,8 @@ def _albedo(
         x.reshape(shape)
         for x in _adaptive(table, pairs_wi, pairs_wo, rng, allot, name=name, pilot=ALBEDO_PILOT)
     )
-    return (
-        (f * weights).sum(-1).astype(np.float32),
-        np.sqrt(((se * weights) ** 2).sum(-1)).astype(np.float32),
-    )
+    mean, error = (f * weights).sum(-1), np.sqrt(((se * weights) ** 2).sum(-1))
+    return mean.astype(np.float32), error.astype(np.float32)
 
 
 def main(path: Path) -> None:

@@ -1,7 +1,7 @@
 """Distributions of stacks for evaluation alone, beside those of `urushi.train.distribution`."""
 
-from dataclasses import asdict, dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -37,10 +37,7 @@ class Table2:
             albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
             sigma_t=rng.choice([0.0, 1.0, 2.0, 5.0], shape),
             g=np.zeros(shape),
-            bottom={
-                "alpha": rng.uniform(0.216, 1.0, n) ** 3,
-                "r0": rng.uniform(0.0, 1.0, n),
-            },
+            bottom={"alpha": rng.uniform(0.216, 1.0, n) ** 3, "r0": rng.uniform(0.0, 1.0, n)},
         )
 
 
@@ -88,14 +85,3 @@ def _draw_widths(rng: np.random.Generator, mean: np.ndarray) -> Widths:
     quotient = np.where(rng.random(np.shape(mean)) < 0.2, 1.0, quotient)
     root = np.sqrt(quotient)
     return Widths(np.clip(mean * root, MIN_ALPHA, 1.0), np.clip(mean / root, MIN_ALPHA, 1.0))
-
-
-def to_dict(distribution: Table2 | Extended) -> dict[str, Any]:
-    """Describe a distribution for JSON.
-
-    Common indices are left out: descriptions from before `Extended.indices` stay equal to new ones.
-    """
-    fields = asdict(distribution)
-    if fields.get("indices") == "common":
-        del fields["indices"]
-    return {"kind": type(distribution).__name__.lower(), **fields}

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from benchmarks.evaluation import predict
 from benchmarks.evaluation import samples as sampling
-from benchmarks.evaluation.samples import Group, Samples
-from benchmarks.measures import DARK_OFFSET
+from benchmarks.evaluation.samples import ALBEDO_COSINES, Group, Samples
+from benchmarks.measures import DARK_OFFSET, in_plane
 
 from urushi.checks import CoatParameters
 from urushi.material import Material
@@ -161,5 +161,5 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
 
 def _albedo(materials: list[Material]) -> np.ndarray:
     """Directional albedo (S, A) of materials of one channel."""
-    wi = sampling.albedo_directions().astype(np.float32)
+    wi = in_plane(np.arccos(ALBEDO_COSINES))
     return np.stack([material.directional_albedo(wi)[:, 0] for material in materials])

@@ -21,9 +21,6 @@ from urushi.train.distribution import bottom_lobes
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS
 
-#: Seed of the walks for probe pairs that differ from the stored ones.
-_PROBE_SEED = 0
-
 
 def materials(
     model: Model, samples: Samples, encoded: int = 0, *, how: str = "code"
@@ -107,10 +104,8 @@ def coats_at(table: StackTable, index: int) -> CoatParameters:
 
 def lower_values(samples: Samples, coats: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """Values (S, P) [1/sr] of the lowest `coats` coats over the bottoms at pairs (P, 3)."""
-    stacks = len(samples.table)
-    wi_all, wo_all = (np.broadcast_to(w, (stacks, *w.shape)) for w in (wi, wo))
-    stored = probe_pairs(PROBES)
-    if coats in samples.probed and np.array_equal(stored, (wi, wo)):
+    if coats in samples.probed and np.array_equal(probe_pairs(PROBES), (wi, wo)):
         return samples.probed[coats]
     lower = sampling.part(samples.table, lowest=coats)
-    return sampling.walk_all(lower, wi_all, wo_all, STACK_WALKS, _PROBE_SEED)[0]
+    wi, wo = (np.broadcast_to(w, (len(lower), *w.shape)) for w in (wi, wo))
+    return sampling.walk_all(lower, wi, wo, STACK_WALKS, 0)[0]

@@ -14,7 +14,7 @@ from benchmarks.evaluation.distributions import Clear, Table2
 from benchmarks.measures import half_angle_pairs
 
 from urushi.checks import CoatParameters
-from urushi.core import direction_sets
+from urushi.core.direction_sets import Pairs, cosine_pairs
 from urushi.core.microfacet import of_widths
 from urushi.train.distribution import Extended
 from urushi.walk import StackTable, analytic, walk_pairs
@@ -154,14 +154,22 @@ def draw_stacks(group: Group, seed: int = 0) -> StackTable:
     return group.distribution.sample(generator(group, seed, 0), group.stacks)
 
 
-def draw_pairs(group: Group, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Draw every stack's pairs, first for E and then for P; two arrays (S, M, 3) float32."""
-    rng = generator(group, seed, 1)
-    for_e = direction_sets.cosine_pairs(rng, group.stacks * E_PAIRS)
-    for_p = half_angle_pairs(rng, group.stacks * P_PAIRS)
+def draw_pairs(group: Group, seed: int = 0) -> Pairs:
+    """The pairs of a group's stacks, see `pairs_of_stacks`."""
+    return pairs_of_stacks(generator(group, seed, 1), group.stacks, E_PAIRS, P_PAIRS)
+
+
+def pairs_of_stacks(
+    rng: np.random.Generator, stacks: int, for_e: int, for_p: int, *, slopes: bool = False
+) -> Pairs:
+    """Draw every stack's pairs, first for E and then for P; two arrays (S, M, 3) float32.
+
+    for_e, for_p: numbers of pairs of a stack. slopes: as of `half_angle_pairs`.
+    """
+    pairs = cosine_pairs(rng, stacks * for_e), half_angle_pairs(rng, stacks * for_p, slopes=slopes)
     wi, wo = (
-        np.concatenate([e.reshape(-1, E_PAIRS, 3), p.reshape(-1, P_PAIRS, 3)], axis=1)
-        for e, p in zip(for_e, for_p, strict=True)
+        np.concatenate([w.reshape(stacks, -1, 3) for w in sides], axis=1)
+        for sides in zip(*pairs, strict=True)
     )
     return wi, wo
 
@@ -217,14 +225,8 @@ def walk_all(
     return f.reshape(wi.shape[:2]), se.reshape(wi.shape[:2])
 
 
-def albedo_directions() -> np.ndarray:
-    """Unit vectors wi (A, 3) of the `ALBEDO_COSINES`."""
-    cosine = np.array(ALBEDO_COSINES)
-    return np.stack([np.sqrt(1 - cosine**2), np.zeros_like(cosine), cosine], axis=-1)
-
-
 def stack_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
-    """E of every stack, (S,), from values (S, M) at all pairs."""
+    """E of every stack, (S,), from values (S, M) at all pairs, or at those for E alone."""
     part = slice(None, samples.e_pairs)
     cos_i, cos_o = samples.wi[:, part, 2], samples.wo[:, part, 2]
     return measures.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)

@@ -13,15 +13,14 @@ from typing import Any
 import numpy as np
 from benchmarks.evaluation import predict, samples
 from benchmarks.evaluation.distributions import anisotropic
+from benchmarks.evaluation.report import summary
 from benchmarks.evaluation.samples import Samples
 from benchmarks.experiment import BOTH, Experiment, Found, Options
-from benchmarks.measures import slope_pairs
 from benchmarks.showing import table as markdown
 from research.rivals import belcour, weier
 from research.rivals.belcour_bottoms import SUFFIX
 
 from urushi.checks import Widths
-from urushi.core.direction_sets import cosine_pairs
 from urushi.nets.weights import anisotropic_model
 from urushi.walk import StackTable
 
@@ -89,12 +88,8 @@ GROUPS = {
 
 def reference(table: StackTable, index: int, walks: int) -> Samples:
     """Pairs and simulated values of one of a group's tables."""
-    rng, count = np.random.default_rng((SEED, 1, index, table.coats)), len(table)
-    pairs = [cosine_pairs(rng, count * E_PAIRS), slope_pairs(rng, count * P_PAIRS)]
-    wi, wo = (
-        np.concatenate([w.reshape(count, -1, 3) for w in sides], axis=1)
-        for sides in zip(*pairs, strict=True)
-    )
+    rng = np.random.default_rng((SEED, 1, index, table.coats))
+    wi, wo = samples.pairs_of_stacks(rng, len(table), E_PAIRS, P_PAIRS, slopes=True)
     f, se = samples.walk_all(table, wi, wo, walks, SEED)
     return Samples(table, wi, wo, f, se, e_pairs=E_PAIRS)
 
@@ -117,10 +112,9 @@ def noisy(held: Samples) -> np.ndarray:
 
 
 def by_rival(rival: Any, table: StackTable, held: Samples) -> np.ndarray:
-    """Values of a model of `research.rivals` at the pairs for E, zero at the others."""
+    """Values of a model of `research.rivals` at the pairs for E."""
     wi, wo = held.wi[:, :E_PAIRS], held.wo[:, :E_PAIRS]
-    f = rival.rows(table, *samples.by_row(wi, wo)).reshape(wi.shape[:2])
-    return np.pad(f, ((0, 0), (0, P_PAIRS)))
+    return rival.rows(table, *samples.by_row(wi, wo)).reshape(wi.shape[:2])
 
 
 def one_width(table: StackTable) -> StackTable:
@@ -160,7 +154,7 @@ def measure(group: Group, options: Options) -> Found:
     for way, how in WAYS.items():
         f = [values(held, *how) for held in sets]
         p = [samples.pair_errors(x, held).ravel() for x, held in zip(f, sets, strict=True)]
-        figures = {"E": _summary(_errors(f, sets)), "reference": own}
+        figures = {"E": [*summary(_errors(f, sets)).values()], "reference": own}
         result[way] = figures | {"P": np.median(np.concatenate(p))}
     return result
 
@@ -176,7 +170,7 @@ def tables(found: Found) -> list[str]:
     for name, case in found.items():
         if "layered" not in case:
             parts = [100 * np.array(case[key]) for key in ("Weier", "one width", "networks")]
-            cells = ["{:.1f} / {:.1f} / {:.1f}".format(*_summary(e)) for e in parts]
+            cells = ["{:.1f} / {:.1f} / {:.1f}".format(*summary(e).values()) for e in parts]
             noise = f"{100 * np.mean(case['reference']):.2f}"
             others.append([name.removesuffix(", rivals"), *cells, noise])
             continue
@@ -186,10 +180,6 @@ def tables(found: Found) -> list[str]:
     head = ["stacks: E [%]", *WAYS, "of the reference", "median P: " + " / ".join(WAYS)]
     rivals = ["stacks: E [%]", "Weier and Belcour 2020", "one width", "codes", "of the reference"]
     return [markdown(*part) for part in ((head, own), (rivals, others)) if part[1]]
-
-
-def _summary(e: np.ndarray) -> list[float]:
-    return [e.mean(), *np.percentile(e, [50, 95])]
 
 
 def _cell(shares: list[float]) -> str:

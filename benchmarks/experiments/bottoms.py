@@ -35,14 +35,12 @@ COATS: dict[str, dict[str, Any]] = {
     "scattering": {"alpha": 0.1, **SCATTERING},
 }
 
-
 GREEN, ORANGE = rgb(0.1, 0.6, 0.2), rgb(0.8, 0.35, 0.05)
 GOLD = conductor("Au", 0.15)
 LEAF = {"type": "diffuse", "reflectance": GREEN}
 PLASTIC = {"diffuse_reflectance": ORANGE, "alpha": 0.1}
 LACQUER = {"base_color": GREEN, "roughness": 0.5, "clearcoat": 1.0, "clearcoat_gloss": 0.9}
 CLOTH = {"base_color": GREEN, "roughness": 0.7, "sheen": 1.0, "sheen_tint": 0.5}
-BRASS = {"base_color": ORANGE, "metallic": 0.8, "roughness": 0.3}
 #: In the place of a texture of one tilted normal, which needs a variant.
 TILTED = object()
 
@@ -64,7 +62,7 @@ BOTTOMS: dict[str, dict[str, Any]] = {
         "pplastic": PLASTIC,
         "pplastic (.05)": {"diffuse_reflectance": GREEN, "alpha": 0.05},
         "principled": {"base_color": ORANGE, "roughness": 0.4, "specular": 0.5},
-        "principled (metal)": BRASS,
+        "principled (metal)": {"base_color": ORANGE, "metallic": 0.8, "roughness": 0.3},
         "principled (cloth)": CLOTH,
         "principled (lacquer)": LACQUER,
         "blendbsdf": {"weight": 0.4, "a": LEAF, "b": GOLD},
@@ -135,13 +133,9 @@ def measure(bottom: dict[str, Any], _: Options) -> Found:
         # The middle one of three texels; equal ones would be a constant.
         widths = texture(coat["alpha"] * np.array([0.6, 1, 1.7]).reshape(1, 3, 1))
         try:
-            walk, *both = (
-                mi.load_dict({"type": plugin, **coat, **extra, "bottom": below})
-                for plugin, extra in (
-                    *(("layered", {}), ("neural_layered", {})),
-                    ("neural_layered", {"alpha": widths}),
-                )
-            )
+            own = {"type": "neural_layered"}
+            forms = {"type": "layered"}, own, own | {"alpha": widths}
+            walk, *both = (mi.load_dict({**coat, **form, "bottom": below}) for form in forms)
         except (UrushiError, RuntimeError) as error:
             return {"refused": str(error).splitlines()[-1].strip()}
         worst = [

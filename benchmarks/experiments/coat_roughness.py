@@ -245,23 +245,18 @@ def plot(found: Found, _: Pictures) -> Any:
 
 def fit(found: Found) -> dict[str, np.ndarray]:
     """The constants of docs/coat_formulas.py by least squares of r, and of the darkening."""
-    rows = metals(found)
+    rows, ratio = metals(found), darkened(found)["transport"]
     eta, coat, base, effective, inside = columns(rows, "eta", "coat", "base", "effective", "inside")
-    rules = {
-        "outside": (FORMULAS.base_roughness, effective),
-        "inside": (FORMULAS.base_roughness_inside, inside),
+    outer, inner = FORMULAS.base_roughness, FORMULAS.base_roughness_inside
+    problems: dict[str, Any] = {  # residuals of the constants, and where to begin
+        "outside": (lambda x: outer(eta, coat, base, *x) - effective, outer.__defaults__),
+        "inside": (lambda x: inner(eta, coat, base, *x) - inside, inner.__defaults__),
+        "internal": (
+            lambda x: (darkened(found, x)["fit"] / ratio - 1).ravel(),
+            FORMULAS.internal_reflection.__defaults__[1:],
+        ),
     }
-
-    def fitted(residuals: Callable[..., np.ndarray], rule: Any, skipped: int = 0) -> np.ndarray:
-        return least_squares(lambda x: residuals(*x), rule.__defaults__[skipped:]).x
-
-    made = {
-        name: fitted(lambda *x, r=rule, known=known: r(eta, coat, base, *x) - known, rule)
-        for name, (rule, known) in rules.items()
-    }
-    ratio, rule = darkened(found)["transport"], FORMULAS.internal_reflection
-    made["internal"] = fitted(lambda *x: (darkened(found, x)["fit"] / ratio - 1).ravel(), rule, 1)
-    return made
+    return {name: least_squares(*problem).x for name, problem in problems.items()}
 
 
 def main() -> None:

@@ -5,8 +5,8 @@ squared errors at equal CPU time are for the time in which the walk takes `COUNT
 """
 
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options
-from benchmarks.pictures import Method, View, at_equal_time
-from benchmarks.scenes import LIGHTS, PRINCIPLED, WALK
+from benchmarks.pictures import Method, at_equal_time
+from benchmarks.scenes import LIGHTS, PRINCIPLED, WALK, View
 from benchmarks.showing import table
 
 from urushi.nets.weights import DEFAULT

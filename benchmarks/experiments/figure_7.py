@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from benchmarks import spheres
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
-from benchmarks.pictures import Picture, View, at_equal_time, converged
+from benchmarks.pictures import Picture, at_equal_time, converged
+from benchmarks.scenes import View
 from benchmarks.showing import grid, table
 from gallery import stage
 
@@ -48,16 +49,16 @@ def cases(_: Options) -> dict[str, Sphere]:
     blue = {"alpha": 0.2, "albedo": rgb(0.4, 0.7, 0.9), "sigma_t": rgb(0.8, 0.4, 0.2)}
     red = {"alpha": 0.1, "sigma_t": rgb(0.02, 0.3, 1.2)}
     rough = {"alpha": 0.4, "int_ior": 1.6}
-    copper, aluminium, silver = (
-        stage.conductor(*metal) for metal in (("Cu", 0.1), ("Al", 0.2), ("Ag", 0.2))
-    )
     layers = {
         "green paint, clear coat": (stage.diffuse(0.05, 0.35, 0.25), [clear]),
         "rough gold, clear coat": (gold, [clear]),
-        "copper, rough clear coat": (copper, [clear | rough]),
-        "aluminium, absorbing coat": (aluminium, [clear | red]),
+        "copper, rough clear coat": (stage.conductor("Cu", 0.1), [clear | rough]),
+        "aluminium, absorbing coat": (stage.conductor("Al", 0.2), [clear | red]),
         "gold, scattering coat": (gold, [clear | milk]),
-        "silver, blue coat, clear coat": (silver, [clear | blue, clear | {"int_ior": 1.4}]),
+        "silver, blue coat, clear coat": (
+            stage.conductor("Ag", 0.2),
+            [clear | blue, clear | {"int_ior": 1.4}],
+        ),
     }
     return {
         name: Sphere(name, bottom=bottom, coats=coats) for name, (bottom, coats) in layers.items()
@@ -97,14 +98,12 @@ def _error(image: np.ndarray, truth: Picture, own: Any) -> float:
 def plot(found: Found, pictures: Pictures) -> Any:
     """A column for each material, a row for each method."""
     rows = []
-    for name in (*PLUGINS, "reference"):
-        label, notes = f"{name},\nequal time", [f"{REFERENCE} samples"] * len(found)
-        if name in PLUGINS:
-            parts = [methods[name] for methods in found.values()]
-            notes = [f"error {of['error']:.2g}\n{of['samples']:.0f} samples" for of in parts]
-        else:
-            label = "walk,\nconverged"
-        rows.append((label, [pictures(material)[name] for material in found], notes))
+    for name in PLUGINS:
+        parts = [methods[name] for methods in found.values()]
+        notes = [f"error {of['error']:.2g}\n{of['samples']:.0f} samples" for of in parts]
+        rows.append((f"{name},\nequal time", [pictures(x)[name] for x in found], notes))
+    truth, notes = [pictures(x)["reference"] for x in found], [f"{REFERENCE} samples"] * len(found)
+    rows.append(("walk,\nconverged", truth, notes))
     return grid((8.6, 6.9), [material.replace(", ", ",\n") for material in found], rows)
 
 

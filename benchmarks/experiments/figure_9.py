@@ -7,6 +7,7 @@ MERL's files. The reference is the walk over the measured material.
 import tempfile
 import warnings
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -73,11 +74,9 @@ def measure(measured: Measured, options: Options) -> Any:
         for form, own in (values | {"noise": f + 0.8 * se}).items():
             found[form][name] = error(own, f, wi, wo)
         if measured.name in SHOWN:
-
-            def reference(wi: np.ndarray, wo: np.ndarray, coats: list = coats) -> np.ndarray:
-                return walked(surface, coats, wi, wo, SPHERE_WALKS)[0]
-
-            pictures += [sphere.studio(f) for f in (reference, *(m.f for m in ours.values()))]
+            walk = partial(walked, surface, coats, walks=SPHERE_WALKS)
+            pictures.append(sphere.studio(lambda *pair, walk=walk: walk(*pair)[0]))
+            pictures += [sphere.studio(material.f) for material in ours.values()]
     return (found, {"spheres": np.stack(pictures)}) if pictures else found
 
 

@@ -31,12 +31,13 @@ def grey(value: float) -> dict:
     return stage.rgb(value, value, value)
 
 
-def diffuse(value: float, **coat: Any) -> dict:
-    return coated({"type": "diffuse", "reflectance": grey(value)}, **coat)
+def over(plugin: str, colour: str, value: float, **coat: Any) -> dict:
+    """A coat over a plugin of a grey value of its colour."""
+    return coated({"type": plugin, colour: grey(value)}, **coat)
 
 
-def principled(value: float, **coat: Any) -> dict:
-    return coated({"type": "principled", "base_color": grey(value)}, **coat)
+diffuse = partial(over, "diffuse", "reflectance")
+principled = partial(over, "principled", "base_color")
 
 
 def plastic(value: float, alpha: float = 0.1, **coat: Any) -> dict:

@@ -45,16 +45,15 @@ def gaussian(wi: np.ndarray, wo: np.ndarray, target: np.ndarray) -> np.ndarray:
 
     target: (A, S) f cos over the density of the directions, (A, S, 3).
     """
-    pairs, best, least = (components(wi), components(wo), NUMPY), target, math.inf
+    pairs, cosine = (components(wi), components(wo), NUMPY), wo[..., 2] / math.pi
     target = target / target.sum(axis=1, keepdims=True)
-    for sigma in SIGMAS:
-        parts = [GaussianMixture(sigma, np.float32(s)).pdf(*pairs) for s in (0, 1)]
-        for share in COSINE_SHARES:
-            q = np.maximum((1 - share) * parts[0] + share * parts[1], 1e-12)
-            divergence = -(target * np.log(q)).sum()
-            if divergence < least:
-                best, least = GaussianMixture(sigma, share).pdf(*pairs), divergence
-    return np.maximum(best, 1e-12)
+    gaussians = (GaussianMixture(sigma, np.float32(1)).pdf(*pairs) for sigma in SIGMAS)
+    densities = (
+        np.maximum((1 - share) * gaussian + share * cosine, 1e-12)
+        for gaussian in gaussians
+        for share in COSINE_SHARES
+    )
+    return max(densities, key=lambda q: (target * np.log(q)).sum())
 
 
 def measure(_: None, options: Options) -> Found:

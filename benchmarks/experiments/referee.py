@@ -43,9 +43,8 @@ def measure(name: str, options: Options) -> dict[str, Any]:
         return {"E": {x: v.mean() for x, v in zip(chosen, e, strict=True)}}
     method = methods.METHODS[name]
     try:
-        stacks = {x: materials.STACKS[x] for x in chosen}
         own_walks = options.count(OWN_WALKS, 2)
-        values = methods.evaluated(method, stacks, own_walks)
+        values = methods.evaluated(method, {x: materials.STACKS[x] for x in chosen}, own_walks)
         white = methods.furnace(method, own_walks)
         price = methods.price(method)
     except (subprocess.CalledProcessError, OSError) as error:
@@ -86,14 +85,13 @@ def tables(found: Found) -> list[str]:
             cells.append(f"{100 * np.mean(part):.1f}{some}" if part else "–")
         families.append([name, *cells])
     head = ["method", "materials", "E [%]: mean", "p95", "smooth coats", "albedo [%]"]
-    made = []
-    if lines:
-        made.append(table([*head, "white: least", "most", "price [ns]"], lines))
-        heads = [f"{x} ({len(own)}; {simple[x]})" for x, own in materials.MATERIALS.items()]
-        made.append(table(["E [%] (materials; simple ones)", *heads], families))
-    if missing:
-        made.append(table(["not measured", "why"], missing))
-    return made
+    heads = [f"{x} ({len(own)}; {simple[x]})" for x, own in materials.MATERIALS.items()]
+    parts = (
+        ([*head, "white: least", "most", "price [ns]"], lines),
+        (["E [%] (materials; simple ones)", *heads], families),
+        (["not measured", "why"], missing),
+    )
+    return [table(*part) for part in parts if part[1]]
 
 
 EXPERIMENT = Experiment(

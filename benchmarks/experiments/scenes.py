@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, Pictures
-from benchmarks.pictures import View, at_equal_time, converged, flip_map
-from benchmarks.scenes import BOTH, OWN, POINT, TEXTURED, WALK
+from benchmarks.pictures import at_equal_time, flip
+from benchmarks.scenes import BOTH, OWN, POINT, TEXTURED, WALK, View
 from benchmarks.showing import figure, table
 from matplotlib.patches import Rectangle
 
@@ -70,8 +70,7 @@ SIDE, FRAMES = 40, ("#56b4e9", "#f0e442")
 def measure(case: Case, options: Options) -> tuple[Found, dict[str, np.ndarray]]:
     """Samples per pixel, relative and plain mean squared error and FLIP of both methods.
 
-    The reference's noise is subtracted from the squared errors, and is part of FLIP. `converged`
-    is FLIP of codes at the samples of the reference.
+    The reference's noise is subtracted from the squared errors, and is part of FLIP.
     """
     networks, samples = options.weights or DEFAULT, options.count(SAMPLES, 32)
     names, seconds = {"walk": WALK, "networks": networks}, options.share * SECONDS
@@ -87,10 +86,8 @@ def measure(case: Case, options: Options) -> tuple[Found, dict[str, np.ndarray]]
             "samples": count,
             "relative_mse": metrics.relative_mse(images[name], reference.image, variance=noise),
             "mse": error - float(noise.mean()),
-            "flip": flip_map(*map(metrics.shown, (images[name], reference.image))).mean(),
+            "flip": flip(images[name], reference.image),
         }
-    both = converged(case.view, networks, samples).image, reference.image
-    found["networks"]["converged"] = flip_map(*map(metrics.shown, both)).mean()
     return found, images
 
 

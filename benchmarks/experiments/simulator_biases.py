@@ -116,11 +116,10 @@ def interior(options: Options) -> Found:
 
 def albedos(stacks: Sequence[Any], options: Options) -> Found:
     """Albedo of every stack, by the walk's name; standard errors are about 0.1 %."""
-    found, walks = {}, options.count(WALKS, 1 << 10)
+    found, walk = {}, partial(albedo, walks=options.count(WALKS, 1 << 10), seed=SEED)
     for name, variant in VARIANTS.items():
         with variant():
-            values = [albedo(stack, WI, walks=walks, seed=SEED)[0][0, 0] for stack in stacks]
-        found[name] = {"albedo": values}
+            found[name] = {"albedo": [walk(stack, WI)[0][0, 0] for stack in stacks]}
     return found
 
 

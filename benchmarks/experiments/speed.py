@@ -16,8 +16,7 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import spheres, timing
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options
-from benchmarks.pictures import View
-from benchmarks.scenes import PRINCIPLED, WALK, coat
+from benchmarks.scenes import PRINCIPLED, WALK, View, coat
 from benchmarks.showing import table
 from benchmarks.spheres import ALL, FEW
 
@@ -204,8 +203,8 @@ def whole(name: str, options: Options) -> Found:
 
 
 def cases(_: Options) -> dict[str, Any]:
-    parts = {"evaluations": evaluations, "walks": walks, "materials": materials, "slabs": slabs}
-    parts |= {"loading": loading}
+    functions = evaluations, walks, materials, slabs, loading
+    parts: dict[str, Any] = {function.__name__: function for function in functions}
     for name, textures in (("constant", 0), ("three textures", FEW), ("all textured", ALL)):
         parts[f"sphere, {name}"] = partial(sphere, textures, False)
     for name, textures in (("constant", 0), ("three textures", FEW)):
@@ -214,32 +213,24 @@ def cases(_: Options) -> dict[str, Any]:
 
 
 def tables(found: Found) -> list[str]:
-    """Renders as multiples of `principled`, slabs, and all other figures."""
-    renders = {name: case for name, case in found.items() if PRINCIPLED in case}
-    rows = [
-        [
-            name,
-            f"{case[PRINCIPLED]:.2g} s",
-            *(f"{case[key] / case[PRINCIPLED]:.2f}" for key in ("codes", WALK)),
-            f"{case['compile']:.1f} s",
-        ]
-        for name, case in renders.items()
-    ]
-    others = [
-        [label, f"{value:.4g}"]
-        for name, case in found.items()
-        if name not in renders and name != "slabs"
-        for label, value in case.items()
-    ]
-    slabs = [
-        [name, *(f"{found['slabs'][f'tables of {name}, {number}']:.2g}" for number in CHANNELS)]
-        for name in (SLABS if "slabs" in found else ())
-    ]
+    """Renders as multiples of `principled`, all other figures, and slabs."""
+    renders, others, slabs = [], [], []
+    for name, case in found.items():
+        if PRINCIPLED in case:
+            ratios = (f"{case[key] / case[PRINCIPLED]:.2f}" for key in ("codes", WALK))
+            renders.append([name, f"{case[PRINCIPLED]:.2g} s", *ratios, f"{case['compile']:.1f} s"])
+        elif name != "slabs":
+            others += [[label, f"{value:.4g}"] for label, value in case.items()]
+    for name in SLABS if "slabs" in found else ():
+        times = (found["slabs"][f"tables of {name}, {number}"] for number in CHANNELS)
+        slabs.append([name, *(f"{seconds:.2g}" for seconds in times)])
     head = ["render", f"`{PRINCIPLED}`", "codes over it", "walk over it", "codes: compile"]
-    made = [table(head, rows)] if rows else []
-    if others:
-        made.append(table(["measurement", "rate [1/CPU s] or time [CPU s]"], others))
-    return made + ([table(["tables of [CPU s]", *CHANNELS], slabs)] if slabs else [])
+    parts = (
+        (head, renders),
+        (["measurement", "rate [1/CPU s] or time [CPU s]"], others),
+        (["tables of [CPU s]", *CHANNELS], slabs),
+    )
+    return [table(*part) for part in parts if part[1]]
 
 
 EXPERIMENT = Experiment(cases, tables, models=NETWORKS, minutes=15)

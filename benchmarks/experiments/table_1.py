@@ -1,13 +1,14 @@
 """Storage, time and error of representations of single BRDFs; after Table 1 of Fan et al. 2022.
 
 Every method sees values of a BRDF alone, not its parameters. Errors are taken at pairs of
-directions that no method has seen; PSNR and FLIP are those of a sphere in Urushi's studio. Measured
-materials are averaged over the exchange of wi and wo, because most methods are reciprocal; the
-stand-ins for MERL's favour NBRDF, because such networks made them.
+directions that no method has seen; PSNR is that of a sphere in Urushi's studio. Measured materials
+are averaged over the exchange of wi and wo, because most methods are reciprocal; the stand-ins for
+MERL's favour NBRDF, because such networks made them.
 """
 
 import math
 import time
+from collections.abc import Callable
 from functools import cache, partial
 from typing import Any
 
@@ -16,7 +17,7 @@ import numpy as np
 from benchmarks import measures, sphere, timing
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, kept
 from benchmarks.measures import half_angle_pairs
-from benchmarks.pictures import compare
+from benchmarks.pictures import psnr
 from benchmarks.rivals import ggx_fit, nbrdf, rainer
 from benchmarks.rivals.nbrdf import size, training_pairs
 from benchmarks.showing import interval, table
@@ -99,7 +100,7 @@ def measure(subject: Subject | None, options: Options) -> Found:
         if walked is not None:
             walks = options.count(REFERENCE[name][1], 16)
             truth[name], se = walked(wi, wo, walks, SEED + 2000 + seed)
-            own = error("E", truth[name] + se, truth[name], wi, wo) if name == "E" else own
+            own = MEASURES["E"](truth[name] + se, truth[name], wi, wo) if name == "E" else own
         else:
             truth[name] = subject.f(wi, wo)
     found: Found = {"group": subject.group, "reference": own}
@@ -109,21 +110,20 @@ def measure(subject: Subject | None, options: Options) -> Found:
         model = represent(method, subject, options)
         seconds = time.process_time() - begin
         found[method] = {
-            name: error(name, model.f(*pair), truth[name], *pair) for name, pair in pairs.items()
+            name: MEASURES[name](model.f(*pair), truth[name], *pair) for name, pair in pairs.items()
         }
         if original is not None:
-            psnr, flip = compare(sphere.studio(model.f), original, sphere.mask())
-            found[method] |= {"PSNR": psnr, "FLIP": flip, "seconds": seconds}
+            own = psnr(sphere.studio(model.f), original, sphere.mask())
+            found[method] |= {"PSNR": own, "seconds": seconds}
     return found
 
 
-def error(name: str, f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> float:
-    """E (mean over channels that are not black), the median of P, or L1 [1/sr]."""
-    if name == "E":
-        return measures.error(f_hat, f, wi, wo)
-    if name == "P":
-        return float(np.median(measures.pair_error(f_hat, f)))
-    return float(np.abs(f_hat - f).mean())
+#: E (mean over channels that are not black), the median of P, and L1 [1/sr]: (f_hat, f, wi, wo).
+MEASURES: dict[str, Callable[..., Any]] = {
+    "E": measures.error,
+    "P": lambda f_hat, f, *_: np.median(measures.pair_error(f_hat, f)),
+    "L1": lambda f_hat, f, *_: np.abs(f_hat - f).mean(),
+}
 
 
 def evaluation() -> dict[str, float]:
@@ -142,26 +142,6 @@ def evaluation() -> dict[str, float]:
     return {name: 1e6 * value / EVALUATED for name, value in times.items()}
 
 
-def groups(found: Found) -> dict[str, list[Found]]:
-    """The materials' results by group."""
-    result: dict[str, list[Found]] = {}
-    for case in found.values():
-        if "group" in case:
-            result.setdefault(case["group"], []).append(case)
-    return result
-
-
-def measured(found: Found, error: str) -> dict[str, dict[str, np.ndarray]]:
-    """By method and group, an error of all materials in the unit of the tables."""
-    result: dict[str, dict[str, np.ndarray]] = {}
-    for group, members in groups(found).items():
-        for method in members[0]:
-            if method not in ("group", "reference") and all(error in m[method] for m in members):
-                values = ERRORS[error][0] * np.array([m[method][error] for m in members])
-                result.setdefault(method, {})[group] = values
-    return result
-
-
 def storage() -> dict[str, tuple[int, int, str]]:
     """Numbers of a texel, of a decoder, and what one decoder serves, by method."""
     old, new = rainer.LATENT_2019, rainer.LATENT_2020
@@ -178,47 +158,51 @@ def storage() -> dict[str, tuple[int, int, str]]:
 
 def tables(found: Found) -> list[str]:
     """Tables: storage and times, then each error by method and group."""
-    made = [_costs(found)] if "evaluation" in found and groups(found) else []
-    return made + [_errors(found, name) for name in ERRORS if measured(found, name)]
+    members: dict[str, list[Found]] = {}
+    for case in found.values():
+        if "group" in case:
+            members.setdefault(case["group"], []).append(case)
+    made = [_costs(found["evaluation"], members)] if "evaluation" in found and members else []
+    for name in ERRORS:
+        if known := {k: cases for k, cases in members.items() if name in cases[0]["NBRDF"]}:
+            made.append(_errors(name, known))
+    return made
 
 
-def _costs(found: Found) -> str:
+def _costs(evaluation: dict[str, float], members: dict[str, list[Found]]) -> str:
     head = ["method", "numbers per texel", "per decoder", "one decoder for", "4K texture"]
     head += ["to represent", "to evaluate", "paper: keeps highlights"]
     rows = []
     for method, (texel, decoder, serves) in storage().items():
         size = BYTES * (TEXELS * texel + decoder) / 1e9
         cells = [method, f"{texel}", f"{decoder:,}", serves, f"{size:.2g} GB", "", ""]
-        if method in found["evaluation"]:
+        if method in evaluation:
             name = "Urushi, encoded" if method == "Urushi" else method
-            cases = [case[name] for members in groups(found).values() for case in members]
+            cases = [case[name] for group in members.values() for case in group]
             median = float(np.median([case["seconds"] for case in cases if "seconds" in case]))
             spent = f"{median:.2g} s" if median > 0.1 else f"{1000 * median:.2g} ms"
-            cells[-2:] = [spent, f"{found['evaluation'][method]:.2g} µs"]
+            cells[-2:] = [spent, f"{evaluation[method]:.2g} µs"]
         rows.append([*cells, PAPER.get(method, "")])
     return table(head, rows)
 
 
-def _errors(found: Found, name: str) -> str:
-    members, by_method = groups(found), measured(found, name)
-    present = [group for group in members if any(group in by for by in by_method.values())]
+def _errors(name: str, members: dict[str, list[Found]]) -> str:
+    factor, unit = ERRORS[name]
 
     def short(value: float) -> str:
         return f"{float(f'{value:.2g}'):g}"
 
-    def cell(values: np.ndarray) -> str:
+    def cell(method: str, cases: list[Found]) -> str:
+        values = factor * np.array([case[method][name] for case in cases])
         low, high = map(short, interval(values))
         return f"{short(values.mean())} ({low}–{high})"
 
-    rows = [
-        [method, *(cell(by_group[group]) if group in by_group else "" for group in present)]
-        for method, by_group in by_method.items()
-    ]
+    rows = [[method, *(cell(method, cases) for cases in members.values())] for method in METHODS]
     if name == "E":
-        own = [100 * np.mean([case["reference"] for case in members[group]]) for group in present]
+        own = [factor * np.mean([case["reference"] for case in c]) for c in members.values()]
         rows.append(["the reference's noise", *map(short, own)])
-    heads = [f"{group} ({len(members[group])})" for group in present]
-    return table([f"{name} [{ERRORS[name][1]}]", *heads], rows)
+    heads = [f"{group} ({len(cases)})" for group, cases in members.items()]
+    return table([f"{name} [{unit}]", *heads], rows)
 
 
 EXPERIMENT = Experiment(

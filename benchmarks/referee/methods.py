@@ -60,13 +60,10 @@ def evaluated(method: Method, stacks: Mapping[str, Stack], walks: int) -> dict[s
 
 def furnace(method: Method, walks: int) -> dict[str, np.ndarray]:
     """Directional albedos of white coated materials at `materials.COSINES`, by name."""
-
-    def albedos(stack: Stack) -> np.ndarray:
-        if method.albedos is not None:
-            return method.albedos(stack).mean(-1)
-        return directional_albedos(partial(method.f, stack, walks), materials.lit()).mean(-1)
-
-    return _described(albedos, materials.WHITE)
+    albedos = method.albedos or (
+        lambda stack: directional_albedos(partial(method.f, stack, walks), materials.lit())
+    )
+    return _described(lambda stack: albedos(stack).mean(-1), materials.WHITE)
 
 
 def _described(function: Callable[[Stack], Any], stacks: Mapping[Any, Stack]) -> dict[Any, Any]:
@@ -198,11 +195,6 @@ def walked(
 encoded = cache(urushi.encode)
 
 
-def codes(stack: Stack, _: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """f of Urushi's codes, without the tables beside them."""
-    return replace(encoded(stack), table=None, beside_lobe=False).f(wi, wo)
-
-
 def of_recipe(recipe: openpbr_recipe.Recipe) -> Method:
     """One of OpenPBR's closed forms."""
     return Method(lambda s, _, wi, wo: openpbr_recipe.f(openpbr_parameters(s), wi, wo, recipe))
@@ -256,7 +248,9 @@ METHODS: dict[str, Method] = {
     "Urushi, tables": Method(
         lambda stack, _, *pair: encoded(stack).f(*pair), partial(over_metal, "neural_layered")
     ),
-    "Urushi, codes": Method(codes),
+    "Urushi, codes": Method(
+        lambda stack, _, *pair: replace(encoded(stack), table=None, beside_lobe=False).f(*pair)
+    ),
     "Urushi, `openpbr`": of_bsdf(lambda s: openpbr(**openpbr_parameters(s)).description()),
     "Belcour 2018": Method(
         lambda stack, _, *pair: belcour.f(stack, *pair), partial(over_metal, "layered_belcour")

@@ -116,11 +116,8 @@ def best(f: Brdf, lobes: int) -> GgxFit:
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(2), 2048)
     truth, cosines = np.asarray(f(wi, wo), np.float64), (wi[:, 2], wo[:, 2])
     values = f(*pairs()[:2])
-    fits = [
-        fit(lambda *_: values, n, *how)
-        for n in range(1, lobes + 1)
-        for how in product(LOSSES, MEASURES)
-    ]
+    ways = product(range(1, lobes + 1), LOSSES, MEASURES)
+    fits = [fit(lambda *_: values, *how) for how in ways]
     errors = [
         np.abs(found.f(wi, wo) - truth).sum(axis=1) @ energy_weight(*cosines) for found in fits
     ]

@@ -12,6 +12,7 @@ Loss, output and samples are those of `nbrdf`, so that architectures alone are c
 publications' text on the encoder's layers was not at hand; its sizes are ours.
 """
 
+from functools import partial
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -19,17 +20,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
-from benchmarks.rivals.nbrdf import (
-    BATCH,
-    Brdf,
-    Layers,
-    by_passes,
-    initial,
-    log_error,
-    minimised,
-    perceptron,
-    training_data,
-)
+from benchmarks.rivals import nbrdf
+from benchmarks.rivals.nbrdf import Brdf, Layers, initial, log_error, perceptron
 
 from urushi.measured.tabulated import evaluate
 
@@ -53,10 +45,8 @@ class NeuralBtf(NamedTuple):
 
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         """float32 (N, 3) [1/sr], without cosine, of unit vectors (N, 3)."""
-        return evaluate(self._f, 3, wi, wo)
-
-    def _f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return np.maximum(np.expm1(decode(self.decoder, self.code, _planar(wi, wo), np)), 0)
+        ln_f = partial(decode, self.decoder, self.code, xp=np)
+        return evaluate(lambda *pair: np.maximum(np.expm1(ln_f(_planar(*pair))), 0), 3, wi, wo)
 
 
 def decode(decoder: Layers, code: Any, x: Any, xp: ModuleType) -> Any:
@@ -84,11 +74,11 @@ def train(f: Brdf, *, passes: int, samples: int) -> NeuralBtf:
 
     def loss(parameters: NeuralBtf, rows: Any, key: Any) -> Any:
         wi, wo, values = rows
-        u = jax.random.uniform(key, (2, BATCH))
+        u = jax.random.uniform(key, (2, nbrdf.BATCH))
         x, cosine = _inputs(wi, wo, 2 * jnp.pi * u[0], u[1] < 0.5)
         return log_error(decode(*parameters, x, jnp), values, cosine)
 
-    return by_passes(loss, parameters, training_data(f, samples), RATES[0], passes)
+    return nbrdf.by_passes(loss, parameters, nbrdf.training_data(f, samples), RATES[0], passes)
 
 
 class Unified(NamedTuple):
@@ -146,7 +136,7 @@ def train_unified(wi: np.ndarray, wo: np.ndarray, values: np.ndarray, *, steps: 
         logits = decode(networks.decoder, code[:, None], x[:, MEASURED:], jnp)
         return log_error(logits, values[:, MEASURED:], cosine[:, MEASURED:])
 
-    return minimised(loss, untrained(), data, draws, RATES[1], steps)
+    return nbrdf.minimised(loss, untrained(), data, draws, RATES[1], steps)
 
 
 def _encode(networks: Unified, x: Any, values: Any, xp: ModuleType) -> Any:

@@ -76,9 +76,6 @@ def test_renders_of_other_seeds_are_independent(variant, tmp_path):
     Half a dozen pairs of renders at 96 * 96 pixels lay within 6 % of that, relative to brightness;
     a seed that both renders share would leave nothing, and halves that share one would double it.
     """
-    import mitsuba as mi
-
-    mi.set_variant(variant)
     scene = export.export(caddy.caddy, tmp_path, Options(detail=0.05))
     first, second = (demo.render(scene, "layered", (64, 64), 32, seed) for seed in (0, 1))
     noise = metrics.relative_mse(first.image, second.image)

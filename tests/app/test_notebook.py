@@ -59,12 +59,14 @@ def test_a_document_holds_the_files_and_asks_for_none(untrained):
             page_document(files | {name: content})
 
 
-def test_the_command_writes_a_document_and_a_notebook_shows_it(untrained, tmp_path, capsys):
+@pytest.mark.parametrize("name", ["clay.html", "CLAY.HTML"])
+def test_the_command_writes_a_document_and_a_notebook_shows_it(untrained, tmp_path, capsys, name):
     """In a frame."""
-    path = tmp_path / "clay.html"
+    path = tmp_path / name
     assert cli.main(["view", "diffuse(0.5)", "-o", str(path)]) == 0
     assert capsys.readouterr().out == f"{path}\n"
     document = path.read_bytes().decode()
+    assert document.startswith("<!doctype html>")
     assert start(document)["bottom"] == {"kind": "diffuse", "reflectance": 0.5}
     page = urushi.show(urushi.diffuse(0.5), height=500)
     frame = re.fullmatch(r'<iframe ([^>]*)srcdoc="([^"]*)"></iframe>', page._repr_html_())

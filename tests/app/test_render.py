@@ -221,7 +221,6 @@ def test_an_interrupt_inside_a_plugin_is_an_interrupt(stage, tmp_path, monkeypat
 
 def test_render_replaces_weights_and_size_of_a_scene_file(variant, tmp_path, monkeypatch):
     """Weights only where a coat names none itself, from the working folder; the size always."""
-    mi.set_variant(variant)
     own = untrained()
     other = weights.save(tmp_path / "other", own.arch, own.params, {})
     monkeypatch.chdir(tmp_path)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi import files
 from urushi.app import cli, simulate
 from urushi.app.describe import describe
 
@@ -82,20 +81,3 @@ def test_errors(arguments, sentence, capsys):
     message = capsys.readouterr().err
     assert sentence in message
     assert message.count("\n") == 1
-
-
-def test_bad_pair_files(tmp_path):
-    path = tmp_path / "pairs.npz"
-
-    def refused(sentence):
-        with pytest.raises(urushi.errors.FileError, match=sentence):
-            files.read_npz(path, "wi", "wo")
-
-    path.write_text("no archive")
-    refused("is not an NPZ file")
-    np.savez(path, wi=np.zeros((1, 3)))
-    refused("must hold the arrays wi and wo")
-    np.savez(path, wi=np.array([{}], dtype=object), wo=np.zeros((1, 3)))  # would need pickle
-    refused("is not an NPZ file")
-    path.write_bytes(path.read_bytes()[:100])
-    refused("is not an NPZ file")

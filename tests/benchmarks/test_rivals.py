@@ -6,6 +6,7 @@ from benchmarks.measures import half_angle_pairs
 from benchmarks.rivals import nbrdf, rainer
 from benchmarks.rivals.ggx_fit import GgxFit, Lobe, fit
 from benchmarks.rivals.nbrdf import size
+from tests.directions import above
 from tests.oracles import surfaces
 
 from urushi.core.direction_sets import cosine_pairs
@@ -14,15 +15,15 @@ ONE = GgxFit(np.array([0.3, 0.2, 0.1]), (Lobe(0.08, 0.04, np.array([1.0, 0.9, 0.
 TWO = GgxFit(ONE.diffuse, (*ONE.lobes, Lobe(0.3, 0.3, np.array([0.2, 0.3, 0.5]))))
 
 
-def test_two_lobes_are_found_again(random_directions):
+def test_two_lobes_are_found_again():
     found = fit(TWO.f, 2, "root")
     assert sorted(lobe.alpha for lobe in found.lobes) == pytest.approx([0.08, 0.3], rel=0.01)
-    wi, wo = (random_directions(500, seed, least_cosine=0.02) for seed in (1, 2))
+    wi, wo = (above(500, seed, least_cosine=0.02) for seed in (1, 2))
     np.testing.assert_allclose(found.f(wi, wo), TWO.f(wi, wo), rtol=0.02)
 
 
-def test_lobes_agree_with_the_oracle(random_directions):
-    wi, wo = (random_directions(1000, seed, least_cosine=0.05) for seed in (3, 4))
+def test_lobes_agree_with_the_oracle():
+    wi, wo = (above(1000, seed, least_cosine=0.05) for seed in (3, 4))
     wanted = surfaces.bottom("conductor", wi, wo, 0.2, 0.04)
     lobe = GgxFit(np.zeros(3), (Lobe(0.2, 0.04, np.array([1.0, 0.5, 0.0])),))
     # In float32 the denominator of the lobe cancels digits.
@@ -31,9 +32,9 @@ def test_lobes_agree_with_the_oracle(random_directions):
     assert (lobe.f(wi, wo)[:, 2] == 0).all()
 
 
-def test_reciprocal_positive_and_turned_with_the_surface(random_directions):
+def test_reciprocal_positive_and_turned_with_the_surface():
     network = nbrdf.unpacked(np.random.default_rng(1).normal(0, 0.4, nbrdf.SIZE))
-    wi, wo = (random_directions(300, seed) for seed in (1, 2))
+    wi, wo = (above(300, seed) for seed in (1, 2))
     f = network.f(wi, wo)
     assert f.shape == (300, 3)
     assert (f >= 0).all()
@@ -44,7 +45,7 @@ def test_reciprocal_positive_and_turned_with_the_surface(random_directions):
     np.testing.assert_allclose(network.f(wi @ turn.T, wo @ turn.T), f, rtol=1e-3, atol=1e-5)
 
 
-def test_agrees_with_the_published_fits(tool, random_directions):
+def test_agrees_with_the_published_fits(tool):
     fits = np.load(tool.FITS)
     x = tool.merl_grid()[::997]
     angles = np.arctan2(x[:, 0], x[:, 2]), np.arccos(x[:, 5]), np.arctan2(x[:, 4], x[:, 3])

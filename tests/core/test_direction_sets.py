@@ -12,8 +12,10 @@ N = 20_000
 
 
 def draw(name, seed=0, n=N):
-    kind = direction_sets if name == "cosine" else measures
-    return getattr(kind, f"{name}_pairs")(np.random.default_rng(seed), n)
+    rng = np.random.default_rng(seed)
+    if name == "cosine":
+        return direction_sets.cosine_pairs(rng, n)
+    return measures.half_angle_pairs(rng, n, slopes=name == "slope")
 
 
 def half_tangent(wi, wo):

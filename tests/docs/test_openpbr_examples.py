@@ -1,10 +1,11 @@
 """The table of OpenPBR's examples in the documentation is what the reader finds."""
 
 import os
+import runpy
 import subprocess
 import sys
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,10 +16,7 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 def module():
     mi = pytest.importorskip("mitsuba")
     mi.set_variant("llvm_ad_rgb")
-    spec = spec_from_file_location("openpbr_examples", DOCS / "openpbr_examples.py")
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return SimpleNamespace(**runpy.run_path(DOCS / "openpbr_examples.py"))
 
 
 def materials(table):

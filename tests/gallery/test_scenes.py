@@ -2,6 +2,7 @@
 
 import re
 
+import mitsuba as mi
 import numpy as np
 import pytest
 from gallery import export
@@ -10,17 +11,9 @@ from gallery.scenes import SCENES
 
 from urushi.app.render import DEMO_SCENE, load_scene
 
+pytestmark = pytest.mark.usefixtures("rgb")
+
 TINY = {"width": 64, "height": 48, "spp": 32, "detail": 0.05}
-
-
-@pytest.fixture(scope="module")
-def mi():
-    import mitsuba
-
-    import urushi  # noqa: F401  (registers the plugins)
-
-    mitsuba.set_variant("llvm_ad_rgb")
-    return mitsuba
 
 
 def unfiltered(node: dict) -> dict:
@@ -30,12 +23,13 @@ def unfiltered(node: dict) -> dict:
 
 
 @pytest.fixture(scope="module", params=SCENES)
-def rendered(mi, request, tmp_path_factory):
+def rendered(request, tmp_path_factory):
     """A scene's name, and by coat two renders (2, 48, 64, 3) of it with the seeds 0 and 1.
 
     Textures are not filtered: between texels, the walk takes the mean of parameters and the
     networks that of f.
     """
+    mi.set_variant("llvm_ad_rgb")
     images = {}
     for coat in COATS:
         folder = tmp_path_factory.mktemp(f"{request.param}-{coat}")
@@ -77,7 +71,7 @@ NUMBER = re.compile(r"-?\d+(?:\.\d*)?(?:e[+-]?\d+)?")
 
 
 @pytest.fixture
-def printed(mi, tmp_path):
+def printed(tmp_path):
     """A function: what the objects of a scene print, without numbers; numbers, and vertices.
 
     Threads load shapes in any order, and boxes do not show how a mesh is turned.
@@ -94,7 +88,7 @@ def printed(mi, tmp_path):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_the_exported_file_describes_the_scene(name, mi, printed, tmp_path):
+def test_the_exported_file_describes_the_scene(name, printed, tmp_path):
     """The files are equal, and all objects print the same, to single precision.
 
     Transforms lose last bits when they are written as steps. There walks draw other random numbers,
@@ -135,7 +129,7 @@ def test_coat_size_and_samples_are_parameters_of_the_file(
     np.testing.assert_array_equal(numbers, expected)
 
 
-def test_the_demos_scene_is_the_gallerys(mi, tmp_path):
+def test_the_demos_scene_is_the_gallerys(tmp_path):
     """The files in the package are those that `python -m gallery caddy` writes."""
     written = export.export(SCENES["caddy"], tmp_path)
     assert {x.name for x in tmp_path.iterdir()} == {x.name for x in DEMO_SCENE.parent.iterdir()}

@@ -9,6 +9,7 @@ from urushi.material import Material, encode, layer, lerp
 from urushi.walk import conductor, dielectric, diffuse
 
 TOP, GOLD = dielectric(0.1, 1.5), conductor(0.2, (0.98, 0.77, 0.34))
+SATIN = dielectric(alpha_u=0.3, alpha_v=0.1, ior=1.5)
 RATIO = r"alpha_u and alpha_v have a ratio of (100|30)"
 
 
@@ -50,6 +51,7 @@ APART = {"alpha_u": 0.01, "alpha_v": 1.0}, {"alpha_u": 0.3, "alpha_v": 0.01}
         (lambda m, _: layer(TOP, codes(5, m), albedo=(0.1, 0.2, 0.3)), "three values, .* has 5"),
         *((lambda m, _, a=a: layer(TOP, conductor(**a, r0=0.9)), RATIO) for a in APART),
         *((lambda m, _, a=a: layer(dielectric(**a), diffuse(0.5)), RATIO) for a in APART),
+        (lambda m, _: layer(SATIN, GOLD, energy_compensation=True), r"give it to urushi\.coat"),
         (lambda m, other: lerp(m, Material(m.latents, other), 0.5), "different weights"),
         (lambda m, _: lerp(m, GOLD, 0.5), "encode it into a Material"),
         (lambda m, _: lerp(m, codes(2, m), 0.5), "does not fit"),

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.directions import at_cosines
+from tests.directions import above, at_cosines
 from tests.material.conftest import error, two_lobes, velvet
 
 from urushi.core.direction_sets import cosine_pairs
@@ -46,9 +46,9 @@ def test_functions_have_one_unless_their_code_is_exact(model, other_model):
         assert encode(two_lobes, weights, table=False).table is None
 
 
-def test_the_known_lobe_of_other_weights_lies_beside_it(material, other_model, random_directions):
+def test_the_known_lobe_of_other_weights_lies_beside_it(material, other_model):
     """It is not interpolated, however narrow it is."""
-    again, wi = encode(material, other_model), random_directions(50, 1, 0.1)
+    again, wi = encode(material, other_model), above(50, 1, 0.1)
     assert again.beside_lobe
     np.testing.assert_array_equal(again.latents[:, :6], material.latents[:, :6])
     mirrored = wi * np.float32([-1, -1, 1])

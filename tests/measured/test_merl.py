@@ -5,6 +5,7 @@
 
 import numpy as np
 import pytest
+from tests.directions import above
 from tests.measured import writers
 
 from urushi.core.directions import directions_at
@@ -26,7 +27,7 @@ def analytic(tmp_path_factory):
     return brdf
 
 
-def test_values_are_those_of_the_analytic_brdf(analytic, random_directions):
+def test_values_are_those_of_the_analytic_brdf(analytic):
     """At the centres of bins, and between them."""
     wi, wo = writers.merl_directions()
     valid = np.minimum(wi[:, 2], wo[:, 2]) > np.cos(np.radians(84))
@@ -35,7 +36,7 @@ def test_values_are_those_of_the_analytic_brdf(analytic, random_directions):
     np.testing.assert_allclose(
         analytic.f(wi[rows], wo[rows]), writers.plastic(wi[rows], wo[rows]), rtol=1e-4
     )
-    wi, wo = random_directions(20000, 1, 0.2), random_directions(20000, 2, 0.2)
+    wi, wo = above(20000, 1, 0.2), above(20000, 2, 0.2)
     expected = writers.plastic(wi.astype(float), wo.astype(float))
     # Linear interpolation is off by (step / width)^2 / 8 times a number of order 1: steps of up to
     # 2 degrees, a lobe 17 degrees wide: 0.2 %, and more where Schlick's fifth power rises.
@@ -44,9 +45,9 @@ def test_values_are_those_of_the_analytic_brdf(analytic, random_directions):
     assert error.max() < 0.02
 
 
-def test_f_is_exactly_reciprocal_and_isotropic(analytic, random_directions, monkeypatch):
+def test_f_is_exactly_reciprocal_and_isotropic(analytic, monkeypatch):
     """And does not depend on the chunks in which it is computed."""
-    wi, wo = random_directions(5000, 3), random_directions(5000, 4)
+    wi, wo = above(5000, 3), above(5000, 4)
     wi[0], wo[0] = (0, 0, 1), (0, 0, 1)
     f = analytic.f(wi, wo)
     np.testing.assert_array_equal(f, analytic.f(wo, wi))
@@ -67,7 +68,7 @@ def test_below_the_horizon_f_is_zero(analytic):
         assert (brdf.f([up, (0, 0, 1)], [up, (0, 0, 1)]) > 0).all()
 
 
-def test_no_invalid_bin_leaks_into_a_constant_brdf(tmp_path, random_directions):
+def test_no_invalid_bin_leaks_into_a_constant_brdf(tmp_path):
     wi, wo = writers.merl_directions()
     rng = np.random.default_rng(5)
     rgb = np.tile(writers.COLOUR, (len(wi), 1))
@@ -75,7 +76,7 @@ def test_no_invalid_bin_leaks_into_a_constant_brdf(tmp_path, random_directions):
     rgb[rng.random(len(rgb)) < 0.3, 1] = -1  # one negative channel is enough
     rgb[(wi[:, 2] <= 0) | (wo[:, 2] <= 0)] = 1e6  # not marked as invalid, but never used
     brdf = load_measured(writers.write_merl(tmp_path / "constant", rgb))
-    f = brdf.f(random_directions(50000, 6), random_directions(50000, 7))
+    f = brdf.f(above(50000, 6), above(50000, 7))
     # Directions reach down to the horizon; values are rounded to float32.
     np.testing.assert_allclose(f, np.broadcast_to(writers.COLOUR, f.shape), rtol=1e-6)
 
@@ -111,11 +112,11 @@ def test_the_fill_takes_the_nearest_valid_bin_of_row_or_column():
         assert filled[i, j, k, 0] in [value for d, value in distances if d == nearest]
 
 
-def test_walk_and_reader_agree(random_directions):
+def test_walk_and_reader_agree():
     """The table is noise, so that every bin and weight matters. Below the horizon, f is zero."""
     noise = Merl(np.random.default_rng(0).random((90, 90, 180, 3)))
     types = monte_carlo.backend()
-    wi, wo = random_directions(20000, 1), random_directions(20000, 2)
+    wi, wo = above(20000, 1), above(20000, 2)
     wi[:100], wo[:100] = wo[:100], wi[:100]
     wi[0] = wo[0] = (0, 0, 1)  # where azimuths are undefined
     wi[1] = wo[1]

@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from tests.directions import above
 from tests.measured import writers
 
 import urushi
@@ -47,21 +48,18 @@ def assert_close(f, wo, expected):
     assert np.abs(ours - expected).sum() < 1e-4 * np.abs(expected).sum()
 
 
-def test_rgb_agrees_with_mitsuba(rgb, material, random_directions):
-    wi, wo = random_directions(5000, 1), random_directions(5000, 2)
+def test_rgb_agrees_with_mitsuba(rgb, material):
+    wi, wo = above(5000, 1), above(5000, 2)
     brdf = load_measured(material)
     assert_close(in_channels(brdf, wi, wo), wo, mitsuba_f_cos(material, wi, wo))
 
 
 @pytest.mark.parametrize("turn", [None, 1.0, 0.5, 0.25])
-def test_spectra_agree_with_mitsuba(tmp_path, random_directions, turn):
+def test_spectra_agree_with_mitsuba(spectral, tmp_path, turn):
     """Of isotropic materials, and of those of a whole turn of wi, half of one, and a quarter.
 
     Their colours are the spectra's; negative channels are zero.
     """
-    import mitsuba as mi
-
-    mi.set_variant("llvm_ad_spectral")
     nm = [400.0, 450.0, 520.0, 650.0]
     path = tmp_path / "made_up.bsdf"
     measured = {} if turn is None else {"azimuths": np.linspace(-np.pi, (2 * turn - 1) * np.pi, 7)}
@@ -69,7 +67,7 @@ def test_spectra_agree_with_mitsuba(tmp_path, random_directions, turn):
     path.write_bytes(writers.tensor_file(fields))
     brdf = load_measured(path)
     assert list(brdf.wavelengths) == nm and brdf.isotropic == (turn is None)
-    wi, wo = random_directions(4000, 7), random_directions(4000, 8)
+    wi, wo = above(4000, 7), above(4000, 8)
     spectra = in_channels(brdf, wi, wo)
     assert_close(spectra, wo, mitsuba_f_cos(path, wi, wo, nm))
     expected = np.maximum(spectra @ srgb_weights(brdf.wavelengths), 0)
@@ -91,9 +89,9 @@ def test_the_walk_takes_isotropic_materials():
         Rgl(fields).table()
 
 
-def test_the_walks_table_is_the_mean_over_the_exchange(stored, random_directions):
+def test_the_walks_table_is_the_mean_over_the_exchange(stored):
     material = load_measured(stored("data/rgl/chm_mint_rgb.bsdf"))
-    wi, wo = random_directions(4000, 9, 0.1), random_directions(4000, 10, 0.1)
+    wi, wo = above(4000, 9, 0.1), above(4000, 10, 0.1)
     expected = 0.5 * (material.f(wi, wo) + material.f(wo, wi))
     f = interpolated(material.table(), wi.astype(float), wo.astype(float))
     weight = (wi[:, 2] * wo[:, 2])[:, None]
@@ -101,9 +99,9 @@ def test_the_walks_table_is_the_mean_over_the_exchange(stored, random_directions
     assert (np.abs(f - expected) * weight).sum() < 0.02 * (expected * weight).sum()
 
 
-def test_f_is_finite_not_negative_and_isotropic(material, random_directions):
+def test_f_is_finite_not_negative_and_isotropic(material):
     brdf = load_measured(material)
-    wi, wo = random_directions(2000, 6, 0.02), random_directions(2000, 7, 0.02)
+    wi, wo = above(2000, 6, 0.02), above(2000, 7, 0.02)
     f = brdf.f(wi, wo)
     assert f.dtype == np.float32
     assert np.isfinite(f).all() and (f >= 0).all()
@@ -116,21 +114,19 @@ def test_f_is_finite_not_negative_and_isotropic(material, random_directions):
     np.testing.assert_array_equal(along, np.broadcast_to(along[:, :1], along.shape))
 
 
-def test_spectra_are_converted_by_the_cie_observer_under_d65():
+def test_spectra_are_converted_by_the_cie_observer_under_d65(rgb):
     """Mitsuba's observer and light, at every nanometre."""
-    import mitsuba as mi
-
-    mi.set_variant("scalar_spectral")
+    rgb.set_variant("scalar_spectral")
     nm = np.arange(360.0, 831.0)
     spectra = 0.4 + 0.3 * np.sin(np.outer([1, 2, 3, 4], nm / 60))
-    d65, si = mi.load_dict({"type": "d65"}), mi.SurfaceInteraction3f()
+    d65, si = rgb.load_dict({"type": "d65"}), rgb.SurfaceInteraction3f()
     light = np.zeros(len(nm))
     for i, wavelength in enumerate(nm):
         si.wavelengths = [wavelength] * 4
         light[i] = d65.eval(si)[0]
-    observer = np.array([mi.cie1931_xyz(float(x)) for x in nm])
+    observer = np.array([rgb.cie1931_xyz(float(x)) for x in nm])
     xyz = (spectra * light) @ observer / (light @ observer[:, 1])
-    expected = [mi.xyz_to_srgb(mi.Color3f(*row)) for row in xyz]
+    expected = [rgb.xyz_to_srgb(rgb.Color3f(*row)) for row in xyz]
     # Tables every 5 nm on both sides; the matrix has four digits, and its white is off by 1e-3.
     np.testing.assert_allclose(spectra @ srgb_weights(nm), expected, atol=3e-3)
     nm = np.linspace(360, 1000, 30)  # also beyond visible light; a constant spectrum is neutral

@@ -33,25 +33,6 @@ def vector(w: np.ndarray) -> "mi.Vector3f":
     return mi.Vector3f(np.ascontiguousarray(w.T))
 
 
-def hemisphere(count: int, seed: int) -> np.ndarray:
-    """Unit vectors (count, 3) above the horizon, a third of them grazing."""
-    rng = np.random.default_rng(seed)
-    w = rng.normal(size=(count, 3))
-    w[::3, 2] *= 1e-2
-    w[:, 2] = np.abs(w[:, 2])
-    return (w / np.linalg.norm(w, axis=1, keepdims=True)).astype(np.float32)
-
-
-def pairs(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs, half of them close to mirror directions."""
-    wi, wo = hemisphere(count, 1), hemisphere(count, 2)
-    noise = np.random.default_rng(3).normal(size=(count, 3)) * 0.01
-    mirrored = wi * [-1, -1, 1] + noise
-    mirrored[:, 2] = np.abs(mirrored[:, 2])
-    wo[::2] = (mirrored / np.linalg.norm(mirrored, axis=1, keepdims=True))[::2]
-    return wi, wo
-
-
 def on_all_sides(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs above the horizon, turned so that as many pass a surface as are reflected."""
     wi, wo = wi.copy(), wo.copy()

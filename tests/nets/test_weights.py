@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 import safetensors.numpy
 from tests.fuzzing import fuzz
+from tests.untrained import untrained
 
 from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
 from urushi.nets.networks import Architecture
 
-ARCH = Architecture(functions=3, layerer=(8,), probes=16)
+SIZES = {"functions": 3, "layerer": (8,), "probes": 16}
+ARCH = Architecture(**SIZES)
 
 
 def init(seed: int = 0) -> dict[str, np.ndarray]:
-    """Random parameters."""
-    rng = np.random.default_rng(seed)
-    shapes = ARCH.parameter_shapes().items()
-    return {name: rng.normal(size=shape).astype(np.float32) for name, shape in shapes}
+    """Random parameters, which can be changed."""
+    return {name: x.copy() for name, x in untrained(seed, **SIZES).params.items()}
 
 
 def content(params=None, **metadata) -> bytes:

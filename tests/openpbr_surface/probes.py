@@ -8,6 +8,7 @@ from tests.mitsuba.probes import evaluated
 from urushi.core.direction_sets import cosine_pairs
 
 WHITE = (1.0, 1.0, 1.0)
+WALKS = {"reference": True, "energy_compensation": False}
 
 
 def loaded(**parameters) -> "mi.BSDF":

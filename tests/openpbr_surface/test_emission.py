@@ -5,7 +5,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from tests.mitsuba.probes import interaction
-from tests.openpbr_surface.probes import toward
+from tests.openpbr_surface.probes import WALKS, toward
 from tests.oracles.slab import interface_reflectance
 
 import urushi
@@ -16,7 +16,6 @@ COLOR = (1.0, 0.5, 2.0)  # an emission colour may exceed one
 LIGHT = {"emission_luminance": 3.0, "emission_color": COLOR}
 SQUARE = {"type": "rectangle"}
 BLACK = dict(base_weight=0.0, specular_weight=0.0)
-WALKS = dict(reference=True, energy_compensation=False)
 
 
 def radiance(cosine, **parameters):

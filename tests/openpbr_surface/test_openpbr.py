@@ -6,7 +6,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from tests.mitsuba.probes import bitmap, evaluated, nearly, sampled, spheres, strip
-from tests.openpbr_surface.probes import error, loaded, pairs, toward, values
+from tests.openpbr_surface.probes import WALKS, error, loaded, pairs, toward, values
 from tests.oracles.analog import analog_albedo
 from tests.oracles.slab import interface_reflectance
 
@@ -22,7 +22,6 @@ pytestmark = pytest.mark.usefixtures("rgb")
 
 COLOR = (0.2, 0.5, 0.8)
 BRUSHED = dict(base_metalness=1.0, specular_roughness=0.5, specular_roughness_anisotropy=0.7)
-WALKS = dict(reference=True, energy_compensation=False)
 
 
 @pytest.mark.parametrize("index", [1.002, 1.1, 1.5])

@@ -8,7 +8,7 @@ from tests.mitsuba import sampling
 from tests.mitsuba.latents.test_axes import albedo as albedo_of_samples
 from tests.mitsuba.latents.test_axes import interactions, square
 from tests.mitsuba.probes import interaction, sampled
-from tests.openpbr_surface.probes import WHITE, anywhere, loaded, toward, values
+from tests.openpbr_surface.probes import WALKS, WHITE, anywhere, loaded, toward, values
 
 import urushi
 from urushi.core import fresnel
@@ -24,7 +24,6 @@ GLASS = {"transmission_weight": 1.0, "specular_ior": 1.5}
 LEAF = {"geometry_thin_walled": True, "subsurface_weight": 1.0}
 PANE = {"geometry_thin_walled": True, "transmission_weight": 1.0}
 COAT = {"coat_weight": 1.0, "coat_roughness": 0.5, "specular_roughness": 0.4}
-WALKS = {"reference": True, "energy_compensation": False}
 
 
 def load(material, **options):

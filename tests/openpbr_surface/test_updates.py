@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.mitsuba.probes import bitmap, interaction, sampled
 from tests.openpbr_surface import probes
-from tests.openpbr_surface.probes import anywhere, loaded, toward
+from tests.openpbr_surface.probes import WALKS, anywhere, loaded, toward
 
 from urushi.errors import ParameterError
 
@@ -21,7 +21,6 @@ ABOVE /= np.linalg.norm(ABOVE, axis=-1, keepdims=True)
 
 #: What is computed in a moment.
 EXACT = {"energy_compensation": False}
-WALKS = EXACT | {"reference": True}
 
 
 def key_of(parameters, name):

@@ -5,7 +5,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from tests.mitsuba.probes import in_white_world
-from tests.openpbr_surface.probes import anywhere, loaded, pairs, values
+from tests.openpbr_surface.probes import WALKS, anywhere, loaded, pairs, values
 
 import urushi
 from urushi.measured.rgl import srgb_weights
@@ -21,8 +21,7 @@ BODY = {"interior": True, "specular_roughness": 0.5}
 COAT = {"coat_weight": 0.5, "coat_color": GREY, "fuzz_weight": 0.5}
 MATERIALS = {
     "mixture": {"base_metalness": 0.5, "base_diffuse_roughness": 0.5} | COAT,
-    "walks": {"coat_weight": 1.0, "coat_roughness": 0.4}
-    | {"reference": True, "energy_compensation": False},
+    "walks": {"coat_weight": 1.0, "coat_roughness": 0.4} | WALKS,
     "glass": BODY | {"transmission_weight": 1.0},
     "skin": BODY | {"subsurface_weight": 1.0, "specular_ior": 1.4},
     "half": BODY | {"transmission_weight": 0.5},

@@ -32,22 +32,9 @@ def analog_albedo(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Count the photons from `wi` that a stack reflects, or that a slab transmits.
 
+    Arguments and result are those of `urushi.walk.simulate.albedo`, for wi above the horizon.
     Microfacet reflections and refractions that end on the wrong side of the horizon, and those
     masked by Smith's term, are absorbed, as in the model.
-
-    Args:
-        stack: what to simulate (`urushi.coat`).
-        wi: (N, 3) unit vectors.
-        transmitted: count the photons that pass the dielectric under the coats instead.
-        walks: photons per direction and channel, at least 2.
-        seed: any integer; the same seed gives the same numbers on the same backend.
-
-    Returns:
-        (albedo, se): float64 (N, 3); zero where wi is at or below the horizon.
-
-    Raises:
-        ParameterError: wrong shapes, directions that are not unit vectors, too few walks.
-        PlatformError: no libLLVM that Dr.Jit can use.
     """
     photon = functools.partial(_photon, transmitted)
     return per_channel(

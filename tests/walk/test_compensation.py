@@ -9,7 +9,6 @@ from tests.directions import DOWN, above, at_cosines
 import urushi
 from urushi.checks import Widths
 from urushi.core.anisotropic_albedos import surface_loss
-from urushi.errors import ParameterError
 from urushi.material import adding
 from urushi.walk import analytic
 from urushi.walk.simulate import albedo
@@ -130,9 +129,3 @@ def test_materials_have_the_lobe_of_the_walk_and_files_hold_it(fast, tmp_path):
     assert (loaded.f(*pairs) == coated.f(*pairs)).all()
     twice, expected = (urushi.layer(top, x).f(*pairs) for x in (loaded, coated))
     np.testing.assert_allclose(twice, expected)
-
-
-def test_layers_of_two_widths_refuse_the_lobe():
-    top = urushi.dielectric(alpha_u=0.3, alpha_v=0.1, ior=1.5)
-    with pytest.raises(ParameterError, match=r"give it to urushi\.coat"):
-        urushi.layer(top, urushi.diffuse(0.5), energy_compensation=True)

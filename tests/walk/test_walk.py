@@ -1,53 +1,18 @@
-"""The random walk: independence of launches and channels, and edge cases."""
+"""The random walk: independence of launches, and edge cases."""
 
 import numpy as np
 import pytest
-from tests.directions import above
+from tests.directions import above, pairs_above
 
 from urushi.walk import coat, conductor, dielectric, diffuse, monte_carlo, simulate
 from urushi.walk.simulate import albedo
-
-COLORED = {
-    # a rough top: light leaves by sampled phase directions as often as by connections
-    "g, rough": [dict(alpha=1.0, albedo=0.95, sigma_t=2.0, g=(-0.8, 0.0, 0.9))],
-    "index below one": [dict(eta=0.7, albedo=(0.9, 0.5, 1.0), sigma_t=(0.0, 2.0, 5.0), g=0.4)],
-    "hardly scattering over another": [
-        dict(albedo=0.1, sigma_t=(0.0, 1.0, 2.0), g=0.5),
-        dict(albedo=(0.02, 0.1, 0.9), sigma_t=(3.0, 0.0, 1.0)),
-    ],
-    "deep": [dict(albedo=1.0, sigma_t=(13.0, 20.0, 50.0))],
-}
-
-
-def colour(value):
-    """A parameter of a plugin."""
-    return {"type": "rgb", "value": [*value]} if isinstance(value, tuple) else value
-
-
-@pytest.mark.parametrize("coats", COLORED.values(), ids=COLORED.keys())
-def test_one_walk_for_all_channels_equals_a_walk_per_channel(rgb, coats: list[dict]) -> None:
-    """The plugin's walks carry a colour, those of `simulate` one channel."""
-    from tests.mitsuba.probes import check_walk
-
-    stack = diffuse((0.8, 0.4, 0.1))
-    plugin = {"type": "diffuse", "reflectance": colour(stack.reflectance)}
-    coats = [{"alpha": 0.25, "eta": 1.4} | parameters for parameters in coats]
-    outside = np.cumprod([1.0, *(parameters["eta"] for parameters in coats)])
-    for parameters, index in zip(reversed(coats), reversed(outside[:-1]), strict=True):
-        stack = coat(stack, **parameters)
-        medium = {name: colour(x) for name, x in parameters.items() if name != "eta"}
-        indices = {"int_ior": index * parameters["eta"], "ext_ior": index}
-        plugin = {"type": "layered", "base": plugin, **indices, **medium}
-    check_walk(rgb.load_dict(plugin), stack)
-
 
 STACK = coat(coat(conductor(0.2, (0.9, 0.6, 0.3)), 0.3, 1.3, 0.9, 1.0, 0.5), 0.1, 1.5, 0.5, 0.3)
 
 
 def test_a_seed_gives_the_same_numbers_again_and_another_gives_others() -> None:
     """Integers of NumPy are integers."""
-    rng = np.random.default_rng(2)
-    sides = above(5, rng, 0.1), above(5, rng, 0.1)
+    sides = pairs_above(5, 2, 0.1)
     other, first, *again = (
         simulate(STACK, *sides, walks=np.int8(100), seed=seed, progress=False)
         for seed in (8, 7, 7, np.int64(7), np.uint64(7), np.int8(7))
@@ -62,8 +27,7 @@ def test_the_result_does_not_depend_on_the_division_into_launches(
     monkeypatch: pytest.MonkeyPatch, lanes: int
 ) -> None:
     # 700: parts of a row; 3000: three rows; 2^13: eight rows and the last one alone.
-    rng = np.random.default_rng(3)
-    wi, wo = above(3, rng, 0.1), above(3, rng, 0.1)
+    wi, wo = pairs_above(3, 3, 0.1)
     whole = simulate(STACK, wi, wo, walks=1000, seed=1, progress=False)
     monkeypatch.setattr(monte_carlo, "LANES", lanes)
     parts = simulate(STACK, wi, wo, walks=1000, seed=1, progress=False)

@@ -71,6 +71,7 @@ BOARD = {"type": "checkerboard", "color0": 0.05, "color1": 0.8}
 VERTICES = {"type": "mesh_attribute", "name": "vertex_color"}
 PAINTED = {"type": "principled", "base_color": VERTICES, "roughness": 0.4}
 DIFFUSE, WHITE = {"type": "diffuse"}, {"type": "diffuse", "reflectance": 0.8}
+NEAR_ONE = {"alpha": 0.3, "ext_ior": 1.0, "base": WHITE}
 
 
 def two_transforms() -> dict:
@@ -81,15 +82,6 @@ def two_transforms() -> dict:
 def two_roughnesses() -> dict:
     shared = noise(1)
     return {"alpha": shared, "base": GOLD | {"alpha": shared}}
-
-
-def indices() -> dict:
-    index = strip(1.01, 1.1, 2.5, filter_type="nearest")
-    return {"alpha": 0.3, "ext_ior": 1.0, "int_ior": index, "base": WHITE}
-
-
-def bytes_as_of_a_file() -> dict:
-    return {"alpha": eight_bits(True), "base": DIFFUSE | {"reflectance": eight_bits(False)}}
 
 
 def brushed() -> dict:
@@ -103,8 +95,14 @@ def brushed() -> dict:
 VARNISHES = {
     "checkerboard": (lambda: {"base": DIFFUSE | {"reflectance": BOARD}}, "bottom.reflectance"),
     "two transforms": (two_transforms, "alpha bottom.alpha"),
-    "indices near one": (indices, "eta"),
-    "texels of eight bits": (bytes_as_of_a_file, "alpha bottom.reflectance"),
+    "indices near one": (
+        lambda: NEAR_ONE | {"int_ior": strip(1.01, 1.1, 2.5, filter_type="nearest")},
+        "eta",
+    ),
+    "texels of eight bits": (
+        lambda: {"alpha": eight_bits(True), "base": DIFFUSE | {"reflectance": eight_bits(False)}},
+        "alpha bottom.reflectance",
+    ),
     "vertex colours": (lambda: {"base": PAINTED}, "bottom.base_color"),
     "vertex colours of a dye": (lambda: {"color": VERTICES, "base": WHITE}, "sigma_t"),
     "a brushed metal": (brushed, "sigma_t bottom.base_color"),
@@ -223,17 +221,22 @@ def test_the_roughness_of_a_brushed_metal_is_a_texture(rgb, u):
     check({"alpha": 0.05, "base": metal}, 0.03, u=u)
 
 
+def check_f(bsdf, constants: dict, rtol: float):
+    """f at places along u is that of a constant coat, in each channel."""
+    wi, wo = cosine_pairs(np.random.default_rng(0), 1024, lowest_cosine=0.1)
+    for u, constant in constants.items():
+        uv = np.tile([u, 0.5], (len(wi), 1))
+        found, f = (probing.bsdf_values(x, wi, wo, uv) for x in (bsdf, mi.load_dict(constant)))
+        assert (np.abs(found - f).mean(axis=0) < rtol * f.mean(axis=0)).all()
+
+
 def test_a_product_of_textures_is_largest_between_their_texels(rgb, few_points):
     """A depth of 0 at both texels and of 1 half-way: f is a constant coat's, within 2 %."""
     coat = {"type": "neural_layered", "alpha": 0.3, "albedo": 0.8, "base": {"type": "diffuse"}}
     rows = (strip(*ends, wrap_mode="clamp") for ends in ((0, 2), (2, 0)))
     varying = rgb.load_dict(coat | dict(zip(("sigma_t", "thickness"), rows, strict=True)))
-    wi, wo = cosine_pairs(np.random.default_rng(0), 256, lowest_cosine=0.1)
-    for u, depth in ((0.0, 0.0), (0.5, 1.0), (1.0, 0.0)):
-        constant = rgb.load_dict(coat | {"sigma_t": depth})
-        uv = np.tile([u, 0.5], (len(wi), 1))
-        found, f = (probing.bsdf_values(x, wi, wo, uv) for x in (varying, constant))
-        assert np.abs(found - f).mean() < 0.02 * f.mean()
+    depths = {0.0: 0.0, 0.5: 1.0, 1.0: 0.0}
+    check_f(varying, {u: coat | {"sigma_t": depth} for u, depth in depths.items()}, 0.02)
 
 
 def test_a_textured_coat_over_what_no_code_represents(rgb):
@@ -247,14 +250,9 @@ def test_a_textured_coat_over_what_no_code_represents(rgb):
     }
     coat = {"type": "neural_layered", "base": {"type": "blendbsdf", "weight": 0.5, **metals}}
     ramp = rgb.load_dict(strip(0.02, 0.2, wrap_mode="clamp"))
+    widths = {u: float(ramp.eval_1(interactions(u=u))[0]) for u in (0.0, 0.4, 0.8)}
     textured = rgb.load_dict(coat | {"alpha": ramp})
-    wi, wo = cosine_pairs(np.random.default_rng(0), 1024, lowest_cosine=0.1)
-    for u in (0.0, 0.4, 0.8):
-        alpha = ramp.eval_1(interactions(u=u))[0]
-        constant = rgb.load_dict(coat | {"alpha": float(alpha)})
-        uv = np.tile([u, 0.5], (len(wi), 1))
-        found, f = (probing.bsdf_values(x, wi, wo, uv) for x in (textured, constant))
-        assert (np.abs(found - f).mean(axis=0) < 0.01 * f.mean(axis=0)).all()
+    check_f(textured, {u: coat | {"alpha": alpha} for u, alpha in widths.items()}, 0.01)
 
 
 @pytest.mark.parametrize("indices", [(1.5,), (0.6, 0.95)])

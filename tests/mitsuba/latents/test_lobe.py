@@ -3,7 +3,8 @@
 import drjit as dr
 import numpy as np
 import pytest
-from tests.mitsuba.probes import pairs, vector
+from tests.directions import pairs_near_mirrors
+from tests.mitsuba.probes import vector
 from tests.untrained import untrained
 
 from urushi.core.direction_sets import cosine_pairs
@@ -55,7 +56,7 @@ def codes(name: str) -> np.ndarray:
 
 def directions() -> tuple[np.ndarray, np.ndarray]:
     """Pairs: at random, grazing, about mirror directions, and exactly mirrored or opposite."""
-    wi, wo = pairs(2048)
+    wi, wo = pairs_near_mirrors(2048)
     wo[::8], wo[1::8] = wi[::8] * [-1, -1, 1], wi[1::8]
     return wi, wo
 

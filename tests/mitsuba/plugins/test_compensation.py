@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.directions import at_cosines
+from tests.directions import above, at_cosines
 from tests.mitsuba.probes import f, sampled, strip, walked
 
 import urushi
@@ -23,9 +23,9 @@ def furnace(mi, bsdf: dict, count: int = 1 << 16, u: float = 0.0):
     return weight.mean(axis=1), weight.std(axis=1) / count**0.5
 
 
-def test_the_lobe_is_reciprocal_and_coloured(rgb, random_directions):
+def test_the_lobe_is_reciprocal_and_coloured(rgb):
     """What is added, over cos wo, is symmetric, and has the order of the base's channels."""
-    wi, wo = random_directions(64, 1, 0.1), random_directions(64, 2, 0.1)
+    wi, wo = above(64, 1, 0.1), above(64, 2, 0.1)
     color = [0.8, 0.3, 0.05]
     on, off = (rgb.load_dict(coat("neural_layered", x, color, alpha=0.5)) for x in (True, False))
     added, exchanged = (f(on, *pair) - f(off, *pair) for pair in ((wi, wo), (wo, wi)))
@@ -93,8 +93,8 @@ def test_plugins_agree_with_python(rgb, name):
     assert (np.abs(found.mean(axis=0) - expected[0]) < 0.02 * expected[0] + 5 * error).all()
 
 
-def test_no_surface_loses_nothing(rgb, random_directions):
-    wi, wo = random_directions(32, 1, 0.1), random_directions(32, 2, 0.1)
+def test_no_surface_loses_nothing(rgb):
+    wi, wo = above(32, 1, 0.1), above(32, 2, 0.1)
     equal = {"int_ior": 1.5, "ext_ior": 1.5, "sigma_t": 0.5, "alpha": 0.4}
     on, off = (rgb.load_dict(coat("layered", x) | equal) for x in (True, False))
     np.testing.assert_array_equal(f(on, wi, wo), f(off, wi, wo))

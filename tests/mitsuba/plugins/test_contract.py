@@ -9,6 +9,7 @@ import pytest
 from tests.directions import above
 from tests.mitsuba import sampling
 from tests.mitsuba.probes import on_all_sides, spheres, strip, update, vector, walked
+from tests.openpbr_surface.probes import WALKS
 
 from urushi.material import encode
 from urushi.mitsuba.reading import probing
@@ -65,10 +66,7 @@ CASES = {
         ("specular_roughness", 0.5),
     ),
     "openpbr under walks": Case(
-        OPENPBR
-        | {"base_metalness": 1.0, "coat_weight": 0.7}
-        | {"reference": True, "energy_compensation": False},
-        ("coat_weight", 0.4),
+        OPENPBR | {"base_metalness": 1.0, "coat_weight": 0.7} | WALKS, ("coat_weight", 0.4)
     ),
     "openpbr under networks": Case(
         OPENPBR | {"coat_weight": 0.5, "coat_roughness": 0.4, "fuzz_weight": 0.5}

@@ -78,7 +78,7 @@ def test_an_error_names_the_plugin_and_a_texture_is_checked(rgb, networks, name)
 
 
 CODES, MEASURED = {"type": "neural_brdf"}, {"type": "measured_brdf"}
-COAT = {"type": "neural_layered", "base": bottom()}
+COAT, BOARD = {"type": "neural_layered", "base": bottom()}, {"type": "checkerboard"}
 SIDES = "; give texels per side, at most 8192"
 
 
@@ -103,6 +103,14 @@ SIDES = "; give texels per side, at most 8192"
         ({"type": "openpbr", "reference": "yes"}, "reference is 'yes'; choose one of neural_layer"),
         ({"type": "openpbr", "unsupported": "yes"}, 'unsupported is "yes"'),
         ({"type": "openpbr", "emission_luminance": 1.0}, "shape the emitter 'openpbr_emission'"),
+        (COAT | {"alhpa": 0.5}, r"neural_layered: .* parameter 'alhpa'; did you mean alpha\?"),
+        (COAT | {"intior": BOARD}, r"no parameter 'intior'; did you mean int_ior\?"),
+        (COAT | {"roughness": 0.5}, "no parameter 'roughness'; choose one of alpha, albedo"),
+        (CODES | {"filenam": BOARD}, r"no parameter 'filenam'; did you mean filename\?"),
+        (MEASURED | {"Filename": 0.5}, r"no parameter 'Filename'; did you mean filename\?"),
+        ({"type": "openpbr", "base_colour": 0.5}, r"'base_colour'; did you mean base_color\?"),
+        ({"type": "openpbr", "resoluton": BOARD}, r"'resoluton'; did you mean resolution\?"),
+        ({"type": "materialx", "matrial": 0.5}, r"'matrial'; did you mean material\?"),
     ],
 )
 def test_mistakes_of_one_plugin(rgb, description, sentence):
@@ -112,16 +120,15 @@ def test_mistakes_of_one_plugin(rgb, description, sentence):
 
 def test_textures_that_are_not_over_uv(rgb, networks, tmp_path):
     """Bottoms whose parameters are known have them too; the walk checks those beside them."""
-    over_uv = {"type": "checkerboard"}
     attribute = {"type": "mesh_attribute", "name": "vertex_value"}
     grid = rgb.VolumeGrid(np.full((2, 2, 2, 1), 0.5, np.float32))
     volume = {"type": "volume", "volume": {"type": "gridvolume", "grid": grid, "raw": True}}
     for what, texture in (
         ("a mesh attribute, which is given on a mesh", attribute),
         ("a volume, which is given in space", volume),
-        ("a mesh attribute, which", over_uv | {"color0": attribute}),
+        ("a mesh attribute, which", BOARD | {"color0": attribute}),
     ):
-        for below, coat in ((texture, {}), (over_uv, {"alpha": texture})):
+        for below, coat in ((texture, {}), (BOARD, {"alpha": texture})):
             base = bottom("layered", inside=bottom(), sigma_t=below)
             with pytest.raises(RuntimeError, match=f"depends on {what}.*, but the nested '"):
                 load(rgb, networks, "neural_layered", base=base, **coat)
@@ -151,25 +158,3 @@ def test_variants_that_cannot_work_say_which_can(name, variant):
         mi.load_dict({"type": name})
     sentence = f"'{name}' does not work in the variant {variant}; choose llvm_ad_rgb"
     assert sentence in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("plugin", "name", "sentence"),
-    [
-        ("layered", "alhpa", "layered: there is no parameter 'alhpa'; did you mean alpha?"),
-        ("neural_layered", "intior", "no parameter 'intior'; did you mean int_ior?"),
-        ("neural_layered", "roughness", "no parameter 'roughness'; choose one of alpha, albedo"),
-        ("neural_brdf", "filenam", "no parameter 'filenam'; did you mean filename?"),
-        ("measured_brdf", "Filename", "no parameter 'Filename'; did you mean filename?"),
-        ("openpbr", "base_colour", "no parameter 'base_colour'; did you mean base_color?"),
-        ("openpbr", "resoluton", "no parameter 'resoluton'; did you mean resolution?"),
-        ("materialx", "matrial", "no parameter 'matrial'; did you mean material?"),
-    ],
-)
-def test_a_misspelt_parameter_is_named_with_the_nearest_one(rgb, plugin, name, sentence):
-    """A texture under such a name too; nested BSDFs have any name."""
-    nested = {"base": bottom()} if plugin.endswith("layered") else {}
-    for value in (0.5, {"type": "checkerboard"}):
-        with pytest.raises(RuntimeError) as caught:
-            rgb.load_dict({"type": plugin, **nested, name: value})
-        assert sentence in str(caught.value)

@@ -7,6 +7,7 @@ import drjit as dr
 import numpy as np
 import pytest
 from tests.mitsuba.probes import bitmap, spheres, update, vector
+from tests.openpbr_surface.probes import WALKS
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.mitsuba.reading import probing
@@ -64,12 +65,7 @@ CHANGES = {
         {"alpha_u.value": (0.05, 0.3), "rotation.value": (80.0, 10.0)}
         | {"bottom.alpha_u.value": (0.1, 0.4)},
     ),
-    "openpbr, coat": (
-        OPENPBR
-        | {"textured": True, "coat_roughness": 0.3}
-        | {"reference": True, "energy_compensation": False},
-        ROUGH,
-    ),
+    "openpbr, coat": (OPENPBR | {"textured": True, "coat_roughness": 0.3} | WALKS, ROUGH),
     "openpbr, paper": (
         OPENPBR | {"geometry_thin_walled": True, "subsurface_weight": 1.0}, ROUGH,
     ),

@@ -168,11 +168,3 @@ def test_files_remember_their_coats(tmp_path, rgb):
     plugin = rgb.load_dict({"type": "neural_layered", "alpha": 0.1, "int_ior": 1.5, "base": inner})
     codes = plugin.latents.at(np.zeros((1, 2)))[0]
     np.testing.assert_allclose(codes[0], once.latents[0], atol=1e-3)
-
-
-def test_both_forms_of_an_index_are_refused():
-    for maker in (urushi.dielectric, lambda **given: urushi.coat(urushi.diffuse(0.5), **given)):
-        with pytest.raises(urushi.errors.ParameterError, match="ior and eta are both given"):
-            maker(eta=1.5, ior=1.5)
-    with pytest.raises(urushi.errors.ParameterError, match="ior is -1"):
-        urushi.dielectric(ior=-1)

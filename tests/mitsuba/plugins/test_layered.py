@@ -12,11 +12,16 @@ METAL |= {"alpha_u": 0.1, "alpha_v": 0.4}
 BOTTOMS = {
     "grey": (GREY, urushi.diffuse(0.6)),
     "metal": (METAL, urushi.conductor(eta=0.2, k=3.9, alpha_u=0.1, alpha_v=0.4)),
+    "orange": (
+        GREY | {"reflectance": {"type": "rgb", "value": [0.8, 0.4, 0.1]}},
+        urushi.diffuse((0.8, 0.4, 0.1)),
+    ),
 }
 
 WI, WO = np.array([[0.5, 0.2, 0.71**0.5]]), np.array([[-0.3, 0.4, 0.75**0.5]])
 
 MEDIUM = {"albedo": 0.7, "sigma_t": 0.5, "g": 0.3}
+SMOOTH = {"alpha": 0.25, "ior": 1.4}
 WIDTHS = {"alpha_u": 0.5, "alpha_v": 0.1}
 COLOURED = {"alpha_u": (0.5, 0.2, 0.1), "alpha_v": (0.1, 0.3, 0.6)}
 LOOK = {"color": (0.9, 0.5, 0.2), "body": 0.4, "body_color": (0.3, 0.6, 0.8), "thickness": 1.5}
@@ -31,6 +36,21 @@ STACKS = {
     "lower index inside": ("grey", MEDIUM | {"alpha": 0.2, "ior": 1.2}, MEDIUM | {"alpha": 0.2}),
     "appearance": ("grey", LOOK | {"alpha": 0.2, "g": 0.3}),
     "measured": ("measured", MEDIUM | {"alpha": 0.2}),
+    # a rough top: light leaves by sampled phase directions as often as by connections
+    "g, rough": (
+        "orange",
+        {"alpha": 1.0, "ior": 1.4, "albedo": 0.95, "sigma_t": 2.0, "g": (-0.8, 0.0, 0.9)},
+    ),
+    "index below one": (
+        "orange",
+        SMOOTH | {"ior": 0.7, "albedo": (0.9, 0.5, 1.0), "sigma_t": (0.0, 2.0, 5.0), "g": 0.4},
+    ),
+    "hardly scattering over another": (
+        "orange",
+        SMOOTH | {"ior": 1.96, "albedo": (0.02, 0.1, 0.9), "sigma_t": (3.0, 0.0, 1.0)},
+        SMOOTH | {"albedo": 0.1, "sigma_t": (0.0, 1.0, 2.0), "g": 0.5},
+    ),
+    "deep": ("orange", SMOOTH | {"albedo": 1.0, "sigma_t": (13.0, 20.0, 50.0)}),
 }
 
 
@@ -44,7 +64,10 @@ def coated(base: dict, ior: float = 1.5, **parameters) -> dict:
 
 @pytest.mark.parametrize("name", STACKS)
 def test_the_plugin_is_the_walk(rgb, merl_file, name):
-    """Also where some directions are beyond the critical angle; all layers are turned."""
+    """Also where some directions are beyond the critical angle; all layers are turned.
+
+    The plugin's walks carry a colour, those of `simulate` one channel.
+    """
     kind, *coats = STACKS[name]
     if kind == "measured":
         described = {"type": "measured_brdf", "filename": str(merl_file)}

@@ -88,22 +88,19 @@ def test_a_texture_is_read_at_the_middle_of_uv(rgb):
 @pytest.mark.slow
 def test_a_random_walk_is_averaged_without_a_warning(rgb):
     walk = {"type": "layered", "alpha": 0.3, "sigma_t": 1.0, "albedo": 0.8}
-    values, deviations = evaluate_source(
-        rgb.load_dict(walk | {"bottom": {"type": "diffuse"}}), WI, WO
-    )
+    walk = rgb.load_dict(walk | {"bottom": {"type": "diffuse"}})
+    values, deviations = evaluate_source(walk, WI, WO)
     assert deviations.anisotropy is None and deviations.reciprocity is None
-    swapped, _ = evaluate_source(rgb.load_dict(walk | {"bottom": {"type": "diffuse"}}), WO, WI)
+    swapped, _ = evaluate_source(walk, WO, WI)
     # 4,096 walks for each pair: only their noise of about 2 % remains.
     error = np.abs(values - swapped).sum() / swapped.sum()
     assert error < 0.05
 
 
-def test_scalar_variants_are_refused():
-    import mitsuba as mi
-
-    mi.set_variant("scalar_rgb")
+def test_scalar_variants_are_refused(rgb):
+    rgb.set_variant("scalar_rgb")
     with pytest.raises(PlatformError, match="cannot be read in the variant scalar_rgb"):
-        as_source(mi.load_dict({"type": "diffuse"}))
+        as_source(rgb.load_dict({"type": "diffuse"}))
 
 
 @pytest.mark.parametrize(
