@@ -40,7 +40,6 @@ METHODS = {
     known.WALK: ("s", COLOURS["walk"], "any BSDF | anisotropy, textures | –"),
     known.BOTH_WAYS: ("*", "#777777", "any BRDF | anisotropy | –"),
     known.BELCOUR: ("D", COLOURS["Belcour 2018"], "conductors and diffuse | textures | –"),
-    known.WEIER: ("1", "#7f2704", "conductors and diffuse | anisotropy | –"),
     known.WEIDLICH: ("v", COLOURS["exact"], "any BSDF | anisotropy, textures | –"),
     fits.PRINCIPLED: (
         *("P", COLOURS["principled"]),
@@ -128,11 +127,6 @@ def rows(found: Found) -> list[str]:
     return [name for name in METHODS if name in found["interfaces_2"]]
 
 
-def apart(found: Found) -> list[str]:
-    """Those with figures of their own: for one width, Weier and Belcour 2020 is Belcour 2018."""
-    return [name for name in rows(found) if name != known.WEIER]
-
-
 def cost_of(part: dict[str, float], name: str) -> float | None:
     """A cost over that of `principled`; None if it was not measured."""
     return part.get(PRINCIPLED if name == fits.PRINCIPLED else name)
@@ -171,7 +165,7 @@ def error_table(found: Found) -> str:
         return [label, *(shown(x and 100 * float(np.mean(x))) for x in e)]
 
     lines = []
-    for name in apart(found):
+    for name in rows(found):
         if name == fits.PRINCIPLED:  # the first fit
             lines.append(line(known.NETWORKS, "networks, the stacks of the fits", known.FITTED))
         lines.append(line(name, name))
@@ -186,7 +180,7 @@ def cost_table(found: Found) -> str:
     head = ["not reciprocal", "largest albedo", "an evaluation", "a render", "textured"]
     head += ["material [B]", "texel [B]", "six interfaces [B]", "new material [s]"]
     lines = []
-    for name in apart(found):
+    for name in rows(found):
         by_number = [found[f"interfaces_{n}"] for n in INTERFACES]
         measured = [part[name] for part in by_number if name in part]
         exchange = max(part["exchange"] for part in measured)

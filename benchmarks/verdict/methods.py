@@ -19,7 +19,7 @@ from benchmarks.subjects import coated, materials
 from benchmarks.verdict import fits
 from fan2022 import PaperNetworks
 from research import bidirectional
-from research.rivals import belcour, weidlich, weier
+from research.rivals import belcour, weidlich
 
 import urushi.walk
 from urushi.core import direction_sets, error_metrics
@@ -31,7 +31,7 @@ from urushi.walk.simulate import albedo as walked_albedo
 
 NETWORKS, PAPER = "networks", "Fan et al. 2022"
 WALK, BOTH_WAYS = "walk", "walk, bidirectional"
-BELCOUR, WEIER = "Belcour 2018", "Weier and Belcour 2020"
+BELCOUR = "Belcour 2018"  # for one width, Weier and Belcour 2020 is the same
 WEIDLICH = "Weidlich and Wilkie 2007"
 #: What `urushi.layer` makes over measured materials that have tables; `NETWORKS` are codes.
 TABLES = "tables"
@@ -44,7 +44,7 @@ PLUGINS = {
 }
 #: Modules' functions `simulate` and `walk_pairs`, by method.
 ESTIMATORS = {WALK: urushi.walk, BOTH_WAYS: bidirectional}
-RIVALS = {BELCOUR: belcour, WEIER: weier, WEIDLICH: weidlich}
+RIVALS = {BELCOUR: belcour, WEIDLICH: weidlich}
 #: Walks of a pair, those of `urushi.simulate` by default; of a table that fits read; and a seed
 #: other than that of the references.
 WALKS, TABLE_WALKS, SEED = 4096, 256, 24
