@@ -137,10 +137,7 @@ class Glass(OfInputs):
 
         above: whether the light is above the surface.
         """
-        sides = [
-            table.both_mean(widths, eta) if w is None else table.both(w, widths, eta)
-            for eta, table in self._sides
-        ]
+        sides = [table.both(w, widths, eta) for eta, table in self._sides]
         reflected, passed = (dr.select(above, *pair) for pair in zip(*sides, strict=True))
         lost = 1 - reflected - passed
         if not self._film:

@@ -26,7 +26,7 @@ from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corner_steps
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents import lobe
-from urushi.mitsuba.latents.lobe import ANY_LOBE, NO_LOBE, LobeKind, kind_of
+from urushi.mitsuba.latents.lobe import NO_LOBE, LobeKind, kind_of
 from urushi.mitsuba.latents.proposal import CodeProposals
 from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.tables import Numbers, stored, tabulated
@@ -231,8 +231,8 @@ class ConstantLatents(EvaluatedCodes):
         if tensor is not None:
             # Numbers that vanish or that channels share have gradients of their own.
             edged = kind_of(material.latents[:, : model.arch.lobe]).edged
-            kind = ANY_LOBE._replace(widths=model.widths, edged=edged)
-            self._changing = BasisDecoder(model, kind)
+            every = (True,) * model.arch.lobe
+            self._changing = BasisDecoder(model, LobeKind(every, edged=edged))
             self._size, self._codes = tensor.shape[-1], tensor.array
             dr.make_opaque(self._codes)
 
