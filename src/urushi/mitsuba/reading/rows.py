@@ -18,14 +18,8 @@ from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate, of_material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.over_axes import AxisLatents, without_faint
-from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.bottoms import (
-    Layer,
-    bottom_material,
-    nested_latents,
-    probed_codes,
-    probed_tables,
-)
+from urushi.mitsuba.reading import bottoms, probing
+from urushi.mitsuba.reading.bottoms import Layer
 from urushi.mitsuba.reading.changed import derived, relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.parameters import Medium
@@ -149,7 +143,7 @@ class BottomRows:
         """The material of a bottom that is the same everywhere and at all wavelengths."""
         if self._varying or mi.is_spectral:
             return None
-        return bottom_material(self._model, self._layer.below, self._where)
+        return bottoms.bottom_material(self._model, self._layer.below, self._where)
 
     def _at(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF | None":
         """The BSDF whose varying parameters have rows (k,) of values along u, by their names."""
@@ -192,9 +186,9 @@ class BottomRows:
             bsdf, uv = self._of_rows(some), along_u(_count(some))
             with wavelengths_of(some, len(uv)):
                 if model.widths == 2 or known_surface(bsdf).lobe_only:
-                    codes.append(probed_codes(model, bsdf, uv, self._where, bounded=True))
+                    codes.append(bottoms.probed_codes(model, bsdf, uv, self._where, bounded=True))
                 else:
-                    tables.append(probed_tables(model, bsdf, uv, self._where, channels))
+                    tables.append(bottoms.probed_tables(model, bsdf, uv, self._where, channels))
         if codes:
             found = np.moveaxis(np.concatenate(codes)[:, :channels], 1, 0)
             return different(model, found[:, which])
@@ -228,7 +222,7 @@ def rows_of(
 
     varying: parameters of the layer.
     """
-    nested = nested_latents(layer.below, model)
+    nested = bottoms.nested_latents(layer.below, model)
     if isinstance(nested, AxisLatents):
         return NestedRows(nested)
     # A conductor depends on the index inside the coat. That index follows from `eta`, unless the
