@@ -36,7 +36,7 @@ def texture_image(texture: Texture, grid: TexelGrid) -> Image:
     return Image(rows.transpose(2, 0, 1, 3), is_volume=False)
 
 
-def texels(texture: Texture, grid: TexelGrid) -> Texels:
+def texels(texture: Texture) -> Texels:
     """The layout by which shaders read a texture's codes."""
     layout = texture.layout
     if layout.channels not in (1, 3):
@@ -58,10 +58,9 @@ def texels(texture: Texture, grid: TexelGrid) -> Texels:
                 factors = ((start + high, 255 * step),)
             channels.append((offset, factors))
         numbers.append(channels)
-    wraps = {"repeat": "repeat", "mirror": "mirrored repeat", "clamp": "clamp to edge"}
-    kind = "nearest" if grid.nearest else "linear"
-    sampler = f"Its sampler has the wrap mode {wraps[grid.wrap]} and {kind} filtering."
-    return Texels(numbers, _layers(texture), grid.to_texture, sampler)
+    sampler = "Its sampler has the wrap mode repeat and linear filtering."
+    whole = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)  # the unit square of uv
+    return Texels(numbers, _layers(texture), whole, sampler)
 
 
 def _layers(texture: Texture) -> int:
