@@ -188,10 +188,10 @@ def albedo_coordinates(cosine, alpha, eta) -> list:
     eta: None in tables that do not depend on it; a float in tables of one index, without its axis.
     """
     at = [] if cosine is None else [albedos.cosine_coordinate(cosine, eta, DRJIT)]
-    index = []
+    at.append(albedos.roughness_coordinate(alpha, DRJIT))
     if eta is not None and not isinstance(eta, float):
-        index = [albedos.index_coordinate(eta, DRJIT)]
-    return [*at, albedos.roughness_coordinate(alpha, DRJIT), *index]
+        at.append(albedos.index_coordinate(eta, DRJIT))
+    return at
 
 
 class Interpolated:

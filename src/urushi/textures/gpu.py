@@ -45,19 +45,14 @@ def texels(texture: Texture) -> Texels:
             "exported"
         )
     numbers = []
-    for number in range(layout.size):
+    for number, (high, low) in enumerate(zip(layout.high, layout.low, strict=True)):
         offset, step = float(texture.lowest[number]), float(texture.step[number])
-        high, low = layout.high[number], layout.low[number]
-        channels = []
-        for channel in range(layout.channels):
-            start = layout.start(channel, number)
-            factors: tuple[tuple[int, float], ...] = ()
-            if high >= 0 and low >= 0:
-                factors = ((start + high, 255 * 256 * step), (start + low, 255 * step))
-            elif high >= 0:
-                factors = ((start + high, 255 * step),)
-            channels.append((offset, factors))
-        numbers.append(channels)
+        factors = {high: 255 * step} if low < 0 else {high: 255 * 256 * step, low: 255 * step}
+        factors.pop(-1, None)  # what is the same in the whole texture has no bytes
+        starts = (layout.start(channel, number) for channel in range(layout.channels))
+        numbers.append(
+            [(offset, tuple((start + x, y) for x, y in factors.items())) for start in starts]
+        )
     sampler = "Its sampler has the wrap mode repeat and linear filtering."
     whole = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)  # the unit square of uv
     return Texels(numbers, _layers(texture), whole, sampler)

@@ -36,7 +36,7 @@ class TexelGrid(NamedTuple):
 
     def uv(self, start: int = 0, stop: int | None = None) -> np.ndarray:
         """The uv (M, 2) of the centres of texels start to stop - 1, in row-major order."""
-        index = np.arange(start, self.texels if stop is None else stop)
+        index = np.arange(*slice(start, stop).indices(self.texels))
         places = np.stack([index % self.width, index // self.width], axis=-1)
         return (places + 0.5) / self
 

@@ -46,11 +46,7 @@ class BasisTable:
             factors: (N,) of `core.stretched`, for two widths; 0: none.
         """
         self._factors, self._numbers = factors, Numbers(rows)
-
-    @property
-    def count(self) -> int:
-        """Number of columns, N."""
-        return self._numbers.count
+        self.count = rows.shape[1]  # N
 
     def at(self, wi, wo, stretch2=None) -> list:
         """Mean and functions (N) of a pair above the horizon.
@@ -164,7 +160,7 @@ class Vertex(NamedTuple):
 
     # Per channel the terms of f, Dr.Jit floats; one list if all channels have the same code.
     decoder_terms: list[list]
-    proposal: Any  # a mixture, of the mean code over the channels; None if it is not needed
+    proposal: Any  # a mixture, of the mean code over the channels
     # Per channel and parameter that carries a gradient, slopes of the terms after the lobe.
     slopes: Sequence[list[list]] = ()
 

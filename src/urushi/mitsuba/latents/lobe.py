@@ -98,15 +98,12 @@ def f(lobes: Sequence[Sequence], wi, wo, kind: LobeKind) -> list:
         return [wi.z * 0] * len(lobes)
     h = wi + wo
     cosine = microfacet.facet_cosine(h, DRJIT)
-    alphas = [width_of(lobe, kind) for lobe in (lobes[:1] if kind.same_alpha else lobes)]
-    shapes = [microfacet.lobe_shape(alpha, wi, wo, h, DRJIT) for alpha in alphas]
-    values = [
-        reflectance(lobe, cosine, kind) for lobe in (lobes[:1] if kind.same_reflectance else lobes)
+    # Dr.Jit merges equal expressions of channels.
+    return [
+        microfacet.lobe_shape(width_of(lobe, kind), wi, wo, h, DRJIT)
+        * reflectance(lobe, cosine, kind)
+        for lobe in lobes
     ]
-    if kind.same_alpha and kind.same_reflectance:
-        return [shapes[0] * values[0]] * len(lobes)
-    count = len(lobes)
-    return [a * b for a, b in zip(_each(shapes, count), _each(values, count), strict=True)]
 
 
 def with_rests(lobes: Sequence[Sequence], rests: Sequence, wi, wo, kind: LobeKind) -> list:
@@ -116,15 +113,10 @@ def with_rests(lobes: Sequence[Sequence], rests: Sequence, wi, wo, kind: LobeKin
     """
     if not kind.present:
         return [*rests]
-    values = f(lobes, wi, wo, kind)
     if kind.edged:
-        alike = kind.same_alpha and kind.same_reflectance
-        shares = [
-            passed(lobe, wi, kind) * passed(lobe, wo, kind)
-            for lobe in (lobes[:1] if alike else lobes)
-        ]
-        rests = [a * b for a, b in zip(_each(shares, len(rests)), rests, strict=True)]
-    return [a + b for a, b in zip(values, rests, strict=True)]
+        shares = [passed(lobe, wi, kind) * passed(lobe, wo, kind) for lobe in lobes]
+        rests = [a * b for a, b in zip(shares, rests, strict=True)]
+    return [a + b for a, b in zip(f(lobes, wi, wo, kind), rests, strict=True)]
 
 
 def passed(lobe: Sequence, w, kind: LobeKind) -> Any:
@@ -133,11 +125,6 @@ def passed(lobe: Sequence, w, kind: LobeKind) -> Any:
         return 1.0
     numbers = [lobe[i] if kind.needed[i] else None for i in (3, 4, 5)]
     return transmittance(width_of(lobe, kind), numbers, w, DRJIT)
-
-
-def _each(values: list, count: int) -> list:
-    """One value for each of `count` channels."""
-    return values * count if len(values) == 1 else values
 
 
 def width_of(lobe: Sequence, kind: LobeKind):

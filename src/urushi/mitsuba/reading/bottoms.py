@@ -4,7 +4,7 @@ A source has the rough reflection alone, and the shares of the light that this e
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import drjit as dr
@@ -88,7 +88,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
         # Numbers of textures may leave the ranges of lobes that conserve energy.
         if ((bounded >= 0) & (bounded <= 1)).all() and (lobes[..., 4:6] >= 0).all():
             return Source(
-                lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
+                partial(probing.mean_values, bsdf),
                 symmetric=True,
                 tabulated=False,  # a lobe alone, a Lambertian, or `bsdf_source` knows more
                 lobe=lobes[0],
@@ -97,7 +97,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
             )
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return _mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))
+        return probing.mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))
 
     wi, wo = (w[:64] for w in symmetry.asymmetry_pairs())
     noisy = probing.needed_repeats(bsdf, wi, wo, 1) > 1
@@ -120,14 +120,6 @@ def has_two_widths(bsdf: "mi.BSDF") -> bool:
         uv = np.random.default_rng(0).random((symmetry.ASYMMETRY_PAIRS, 2))
         source = source._replace(f=lambda wi, wo: probing.bsdf_values(bsdf, wi, wo, uv))
     return symmetry.is_anisotropic(source)
-
-
-def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
-    """f (M, C) [1/sr] as the mean of `repeats` evaluations."""
-    a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
-    time = np.repeat(np.arange(repeats, dtype=np.float32), len(wi))
-    f = probing.bsdf_values(bsdf, a, b, np.full((len(a), 2), 0.5), time)
-    return f.reshape(repeats, len(wi), -1).sum(axis=0).astype(np.float64) / repeats
 
 
 def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:
