@@ -121,7 +121,7 @@ class BottomRows:
         sides = [(0.0, 0.0) if x.changes else (x.axis.least, x.axis.most) for x in self._varying]
         ends = list(product(*sides))[:16]
         columns = dict(zip(self._names, np.array(ends).T, strict=True)) if self._names else {}
-        bsdf, uv = self._of_rows(columns), along_u(len(ends))
+        bsdf, uv = self._at(columns), along_u(len(ends))
         # Its table may have colours that codes leave out.
         bsdf = known_surface(bsdf).table_source() or bsdf
         f = probing.texel_values(bsdf, *self._model.networks.pairs(), uv, probing.Averaging())
@@ -134,7 +134,7 @@ class BottomRows:
         """
         with wavelengths_of(values, count + 1):
             pairs, uv = self._model.networks.pairs(), along_u(count + 1)
-            f = probing.texel_values(self._of_rows(values), *pairs, uv, probing.Averaging())[:, 0]
+            f = probing.texel_values(self._at(values), *pairs, uv, probing.Averaging())[:, 0]
         logs = np.log(np.maximum(f, 1e-6))
         return np.abs(np.diff(logs, axis=0)).mean(axis=1)
 
@@ -145,8 +145,11 @@ class BottomRows:
             return None
         return bottoms.bottom_material(self._model, self._layer.below, self._where)
 
-    def _at(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF | None":
-        """The BSDF whose varying parameters have rows (k,) of values along u, by their names."""
+    def _at(self, rows: Mapping[str, np.ndarray]) -> Any:
+        """The BSDF whose varying parameters have rows (k,) of values along u, by their names.
+
+        None if the bottom is of an unknown kind, which `of` finds.
+        """
         coat, nested = self._layer.coat, self._layer.nested
         textures, numbers = dict[int, Any](), {}
         medium: Medium = coat
@@ -183,7 +186,7 @@ class BottomRows:
         count, model, codes, tables = _count(rows), self._model, list[Any](), list[Any]()
         for start in range(0, count, BLOCK):
             some = {name: x[start : start + BLOCK] for name, x in rows.items()}
-            bsdf, uv = self._of_rows(some), along_u(_count(some))
+            bsdf, uv = self._at(some), along_u(_count(some))
             with wavelengths_of(some, len(uv)):
                 if model.widths == 2 or known_surface(bsdf).lobe_only:
                     codes.append(bottoms.probed_codes(model, bsdf, uv, self._where, bounded=True))
@@ -208,11 +211,6 @@ class BottomRows:
         own = np.stack([values.get(name, default) for name in names])
         found, which = np.unique(own, axis=1, return_inverse=True)
         return dict(zip(names, found, strict=True)), which.ravel()
-
-    def _of_rows(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF":
-        found = self._at(rows)
-        assert found is not None  # as `of` has found
-        return found
 
 
 def rows_of(
