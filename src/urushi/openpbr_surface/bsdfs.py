@@ -187,10 +187,8 @@ class OpenPBRSurface(Blend):
             return KnownSurface()
         if not self._coated:
             return replace(known_surface(self._base), table_source=lambda: self)
-        layers = "coat", "specular"
-        if self._walks or not all(
-            inputs.is_constant(f"{layer}_roughness_anisotropy", 0) for layer in layers
-        ):
+        names = (f"{layer}_roughness_anisotropy" for layer in ("coat", "specular"))
+        if self._walks or not all(inputs.is_constant(name, 0) for name in names):
             return KnownSurface()
         return KnownSurface(lobes=self._coat_lobes, table_source=lambda: self)
 

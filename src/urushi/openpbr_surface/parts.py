@@ -186,6 +186,5 @@ def tint_of(inputs: Inputs, at: Values) -> Any:
     if not inputs.transmits(SHARES[1]) or not inputs.is_constant("transmission_depth", 0):
         return mi.Spectrum(1)
     found = shares(*at.of(*SHARES))
-    return dr.lerp(
-        at.transmission_color, 1, found.scattering / dr.maximum(found.transmitting, 1e-6)
-    )
+    untinted = found.scattering / dr.maximum(found.transmitting, 1e-6)
+    return dr.lerp(at.transmission_color, 1, untinted)

@@ -221,9 +221,8 @@ class Body(bsdfs.Blend):
         bs.eta = dr.select(straight, 1, bs.eta)
         bs.sampled_type = dr.select(straight, mi.UInt32(+mi.BSDFFlags.Null), bs.sampled_type)
         bs.sampled_component = dr.select(straight, mi.UInt32(2), bs.sampled_component)
-        return bs, dr.select(
-            passes, total / dr.maximum(share, 1e-6), dr.select(straight, 0, weight)
-        )
+        weight = dr.select(straight, 0, weight)
+        return bs, dr.select(passes, total / dr.maximum(share, 1e-6), weight)
 
     def eval_null_transmission(self, si, active=True):
         return self._straight(mi.BSDFContext(), si, active)[1]

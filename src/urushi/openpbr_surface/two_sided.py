@@ -113,11 +113,8 @@ class Glass(OfInputs):
         self._film: Any = FilmFresnel(self._inputs) if film else None
         self._mirror: Any = InterfaceAlbedo(MIRROR, two_widths) if film else None
         bare = film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
-        self.names = (
-            *names_of("specular"),
-            "transmission_color",
-            *(film_parameters if bare else ()),
-        )
+        of_film = film_parameters if bare else ()
+        self.names = (*names_of("specular"), "transmission_color", *of_film)
 
     def _vertex(self, si, active):
         at = self._inputs.at(si, active)

@@ -122,11 +122,12 @@ class PointCodes:
         values = flat(part.values for part in parts)
         sizes = [part.g.shape[:3] for part in parts]
         channels = np.concatenate([np.repeat(np.arange(c), k * n) for c, k, n in sizes])
+
+        def tables(some: np.ndarray) -> np.ndarray:
+            return self._rows.tables(values[some], channels[some]) + FAINT
+
         g, passed = flat(part.g for part in parts), flat(part.passed for part in parts)
-        return own_functions(
-            *(self._model, g, passed, flat(rests)),
-            lambda some: self._rows.tables(values[some], channels[some]) + FAINT,
-        )
+        return own_functions(self._model, g, passed, flat(rests), tables)
 
 
 def encoded(model: Model, part: Transported) -> np.ndarray:

@@ -38,7 +38,7 @@ class TexelGrid(NamedTuple):
         """The uv (M, 2) of the centres of texels start to stop - 1, in row-major order."""
         index = np.arange(*slice(start, stop).indices(self.texels))
         places = np.stack([index % self.width, index // self.width], axis=-1)
-        return (places + 0.5) / self
+        return (places + 0.5) / (self.width, self.height)
 
 
 #: The grid of what is the same everywhere.

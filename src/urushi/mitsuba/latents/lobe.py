@@ -63,10 +63,8 @@ class LobeKind(NamedTuple):
     def _alike(self) -> list[bool]:
         """Whether all channels have the same number at each place."""
         alphas = WIDTH_PLACES[self.widths]
-        return [
-            self.same_alpha if i in alphas else self.same_reflectance
-            for i in range(len(self.needed))
-        ]
+        places = range(len(self.needed))
+        return [self.same_alpha if i in alphas else self.same_reflectance for i in places]
 
 
 #: No lobe reflects.

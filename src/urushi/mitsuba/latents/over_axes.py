@@ -152,12 +152,8 @@ class AxisLatents(EvaluatedCodes):
         codes, slopes, nodes = [], [], math.prod(baked.shape)
         for c in range(self._evaluated_channels):
             first = min(c, baked.channels - 1) * nodes
-            corners = [
-                (node + first, weight)
-                for node, weight in baked.corners(
-                    [_of(x, c) for x in coordinates], mi.UInt32, DRJIT
-                )
-            ]
+            found = baked.corners([_of(x, c) for x in coordinates], mi.UInt32, DRJIT)
+            corners = [(node + first, weight) for node, weight in found]
             code = self._numbers.at(corners)
             lobe = self._lobe(values, code[: len(self._stored)])
             codes.append([*lobe, *code[len(self._stored) :]])
@@ -287,7 +283,8 @@ def drawn_texel(si, grid: TexelGrid) -> list:
     bits = [dr.reinterpret_array(mi.UInt32, x) for x in singles]
     hashed, _ = mi.sample_tea_32(bits[0] + 0x9E3779B9 * bits[2], bits[1] + 0x85EBCA6B * bits[3])
     found = []
-    for x, texels, shift in zip(si.uv, grid, (8, 16), strict=True):
+    sides = grid.width, grid.height
+    for x, texels, shift in zip(si.uv, sides, (8, 16), strict=True):
         u = (mi.Float((hashed >> shift) % WEIGHT_STEPS) + 0.5) / WEIGHT_STEPS
         count = mi.Int32(texels)
         texel = mi.Int32(dr.floor((x - dr.floor(x)) * count - (0.5 - u)))

@@ -197,13 +197,11 @@ def _proposal(coats: Sequence[CoatParameters], alphas: Sequence, albedo, cos_i) 
         diffuse += reached * (1 - passed) * spectrum.mean(coat.albedo)
         reached = reached * passed
         cos_i = cos_t
-        blur = of_widths(
-            lambda blur, alpha, eta=eta, stretch=stretch: (
-                blur + stretch * 2 * dr.square((eta - 1) * alpha)
-            ),
-            blur,
-            widths[0] if len(widths) == 1 else of_widths(spectrum.mean, coat.alpha),
+        mean = widths[0] if len(widths) == 1 else of_widths(spectrum.mean, coat.alpha)
+        more = of_widths(
+            lambda x, eta=eta, scale=stretch * 2: scale * dr.square((eta - 1) * x), mean
         )
+        blur = of_widths(operator.add, blur, more)
         stretch *= eta * eta
     for alpha in alphas:
         found.append(_width_outside(alpha, stretch, blur))
