@@ -16,7 +16,7 @@ WIDTH, HEIGHT = 8, 4
 
 #: The place of the texture in uv: its coordinates are (0.5 u + 0.1, v).
 PLACE = ((0.5, 0.0, 0.1), (0.0, 1.0, 0.0))
-GRID = TexelGrid(WIDTH, HEIGHT, PLACE, "clamp")
+GRID = TexelGrid(WIDTH, HEIGHT)
 
 MAIN = """
 uniform sampler2DArray texels;
@@ -37,7 +37,9 @@ def test_look_up_in_opengl(networks_of, eta, request):
     """At the centre of each texel, f and pdf are those of the texel's code."""
     model = request.getfixturevalue(networks_of)
     packed = texture_of(model, eta)
-    text = codes_text("glsl", model, "urushi", texture_files.texels(packed, GRID))
+    text = codes_text(
+        "glsl", model, "urushi", texture_files.texels(packed)._replace(to_texture=PLACE)
+    )
     codes, networks = packed.codes(), model.networks
     wi, wo = np.float32([0.6, 0.0, 0.8]), np.float32([-0.5, 0.1, 0.86])
     wo /= np.linalg.norm(wo)
@@ -75,7 +77,7 @@ Texture2DArray<float4> texels; Texture3D<float4> table; SamplerState filtering;
 @pytest.mark.parametrize("compiler", ["tint", "naga", "hlsl", "slang"])
 def test_look_up_compiles(model, packed, tmp_path, compiler):
     language = compiler if compiler in ("hlsl", "slang") else "wgsl"
-    text = codes_text(language, model, "urushi", texture_files.texels(packed, GRID))
+    text = codes_text(language, model, "urushi", texture_files.texels(packed))
     if language == "wgsl":
         gpu.check_wgsl(compiler, text + WGSL, tmp_path)
     else:
@@ -83,7 +85,7 @@ def test_look_up_compiles(model, packed, tmp_path, compiler):
 
 
 def test_textures_need_array_textures(model, packed):
-    texels = texture_files.texels(packed, TexelGrid(WIDTH, HEIGHT))
+    texels = texture_files.texels(packed)
     with pytest.raises(
         ParameterError, match="exported OSL code reads no latent textures; choose one of glsl, wgsl"
     ):

@@ -101,7 +101,7 @@ class Export:
         elif tensor_file_kind(self.material) == "texture":
             given = None if self.weights is None else find(self.weights)
             store, grid, model = read_texture(self.material, given)
-            texels, codes = gpu.texels(store, grid), gpu.texture_image(store, grid)
+            texels, codes = gpu.texels(store), gpu.texture_image(store, grid)
         else:
             material = read_material(self.material, self.weights)
             texture = material.shader_texture(self.language)

@@ -27,8 +27,8 @@ def only_where(active, function: Callable, *args):
     """Return function(*args), zeros where not active.
 
     Kernels jump over the function where none of the lanes of a vector is active, for instance where
-    all rays have left the scene. Arguments and result are Dr.Jit arrays, in nested lists, named
-    tuples and `Widths`.
+    all rays have left the scene. Arguments and result are Dr.Jit arrays, and numbers that stay the
+    same, in nested lists, named tuples and `Widths`.
     """
     results: list[Any] = []  # of the recorded call: its structure is needed for the zeros
 
@@ -169,19 +169,20 @@ def _flat(nested: Any) -> list:
         nested = [nested.u, nested.v]
     if isinstance(nested, list | tuple):
         return [value for part in nested for value in _flat(part)]
-    return [nested]
+    return [] if isinstance(nested, Number) else [nested]
 
 
 def _nested_like(template: Any, values: Iterator) -> Any:
     """The inverse of `_flat`: values in the structure of a template."""
+    if isinstance(template, Number):
+        return template
     if isinstance(template, Widths):
-        return Widths(next(values), next(values))
+        return template.map(lambda width: _nested_like(width, values))
+    if not isinstance(template, list | tuple):
+        return next(values)
     # No closure that calls itself: it would keep the values until Python looks for cycles. While a
     # frozen function is recorded, no scene may be freed.
-    parts = [
-        _nested_like(part, values) if isinstance(part, list | tuple | Widths) else next(values)
-        for part in template
-    ]
+    parts = [_nested_like(part, values) for part in template]
     return type(template)(*parts) if hasattr(template, "_fields") else parts
 
 

@@ -1,7 +1,8 @@
 """Registration of the plugins with Mitsuba, in every variant that is set."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any, NamedTuple, NoReturn
 
 import mitsuba as mi
 
@@ -26,59 +27,44 @@ def register(*sets: PluginSet) -> None:
     """
 
     def on_variant(old: str | None, new: str) -> None:
-        _on_variant(new, sets)
+        if new.startswith("llvm"):
+            platform.require_llvm()  # an old LLVM would crash when the first kernel is compiled
+        from urushi.material.source import as_source
+        from urushi.mitsuba.reading.bottoms import bsdf_source
+        from urushi.mitsuba.reading.changed import relative_to_index
+        from urushi.walk.stack import under
+
+        as_source.register(mi.BSDF, bsdf_source)  # for `urushi.encode`
+        under.register(mi.BSDF, relative_to_index)  # for `urushi.layer`
+        supported = not (new.startswith("scalar") or mi.is_polarized)
+        for each in sets:
+            made = each.load() if supported else {}
+            for name in each.bsdfs:
+                refuse = partial(_refuse, name, new)
+                mi.register_bsdf(name, partial(_bsdf, made[name]) if made else refuse)
+            for name in each.emitters:
+                mi.register_emitter(name, made[name] if made else partial(_refuse, name, new))
 
     mi.detail.add_variant_callback(on_variant)
     if mi.variant() is not None:
         on_variant(None, mi.variant())
 
 
-def supported(variant: str) -> bool:
-    """Whether plugins work in this variant, which is the current one."""
-    return not (variant.startswith("scalar") or mi.is_polarized)
-
-
-def _on_variant(new: str, sets: tuple[PluginSet, ...]) -> None:
-    if new.startswith("llvm"):
-        platform.require_llvm()  # an old LLVM would crash when the first kernel is compiled
-    from urushi.material.source import as_source
-    from urushi.mitsuba.reading.bottoms import bsdf_source
-    from urushi.mitsuba.reading.changed import relative_to_index
-    from urushi.walk.stack import under
-
-    as_source.register(mi.BSDF, bsdf_source)  # for `urushi.encode`
-    under.register(mi.BSDF, relative_to_index)  # for `urushi.layer`
-    for each in sets:
-        made = each.load() if supported(new) else {}
-        for name in each.bsdfs:
-            maker = _as_bsdf(made[name]) if made else _refusal(name, new)
-            mi.register_bsdf(name, maker)
-        for name in each.emitters:
-            mi.register_emitter(name, made[name] if made else _refusal(name, new))
-
-
-def _as_bsdf(make: Callable) -> Callable:
-    """A maker of BSDFs, from one of surfaces or of BSDFs."""
+def _bsdf(make: Callable, props: "mi.Properties") -> "mi.BSDF":
+    """The BSDF of a maker of surfaces or of BSDFs."""
     from urushi.mitsuba.surface import Surface, bsdf_of
 
-    def constructor(props):
-        made = make(props)
-        return bsdf_of(made, props) if isinstance(made, Surface) else made
-
-    return constructor
+    made = make(props)
+    return bsdf_of(made, props) if isinstance(made, Surface) else made
 
 
-def _refusal(name: str, variant: str) -> Callable:
-    """A constructor that says which variants work."""
-
-    def refuse(props):
-        raise PlatformError(
-            f"'{name}' does not work in the variant {variant}; choose llvm_ad_rgb, llvm_ad_mono, "
-            "llvm_ad_spectral or their cuda_ad_* counterparts, for instance by "
-            "mi.set_variant('cuda_ad_rgb', 'llvm_ad_rgb')"
-        )
-
-    return refuse
+def _refuse(name: str, variant: str, props: "mi.Properties") -> NoReturn:
+    """Say which variants work."""
+    raise PlatformError(
+        f"'{name}' does not work in the variant {variant}; choose llvm_ad_rgb, llvm_ad_mono, "
+        "llvm_ad_spectral or their cuda_ad_* counterparts, for instance by "
+        "mi.set_variant('cuda_ad_rgb', 'llvm_ad_rgb')"
+    )
 
 
 def _load() -> dict[str, Any]:

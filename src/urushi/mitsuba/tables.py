@@ -144,32 +144,24 @@ class InterfaceAlbedo(Recorded):
     def __init__(self, eta: float | None, two_widths: bool = False):
         self._constant, self._two = eta, two_widths
         known = (anisotropic_albedos if two_widths else albedos).tables(self._constant)
-        self._reflected = self._tables(known.reflected)
-        self._reflected_mean = self._tables(known.reflected_mean)
-        self._both = self._tables(known.reflected, known.passed)
-        self._both_mean = self._tables(known.reflected_mean, known.passed_mean)
-        self._both_entered = self._tables(known.reflected_entered, known.passed_entered)
+        self._shares = self._tables(known.reflected, known.passed)
+        self._means = self._tables(known.reflected_mean, known.passed_mean)
+        self._entered = self._tables(known.reflected_entered, known.passed_entered)
 
     def reflected(self, w, alpha, eta=None):
         """Share of the light from a direction that is reflected; w is None: of diffuse light."""
-        table = self._reflected_mean if w is None else self._reflected
-        return table(self._at(w, alpha, eta))[0]
+        return self.both(w, alpha, eta)[0]
 
-    def both(self, w, alpha, eta) -> list:
-        """Shares that are reflected and transmitted; the rest would meet a second facet."""
-        return self._both(self._at(w, alpha, eta))
+    def both(self, w, alpha, eta, mirrored=None) -> list:
+        """Shares that are reflected and transmitted; the rest would meet a second facet.
 
-    def both_mean(self, alpha, eta, mirrored=None) -> list:
-        """Shares of diffuse light that are reflected and transmitted.
-
-        mirrored: share of it that has entered as `albedos.Tables` says.
+        mirrored: share of diffuse light that has entered as `albedos.Tables` says.
         """
-        at = self._at(None, alpha, eta)
-        diffuse = self._both_mean(at)
+        at = self._at(w, alpha, eta)
+        found = (self._means if w is None else self._shares)(at)
         if mirrored is None:
-            return diffuse
-        entered = self._both_entered(at)
-        return [dr.lerp(a, b, mirrored) for a, b in zip(diffuse, entered, strict=True)]
+            return found
+        return [dr.lerp(a, b, mirrored) for a, b in zip(found, self._entered(at), strict=True)]
 
     def _tables(self, *values: np.ndarray):
         """Tables as channels, without the axis of the index if it is constant."""
@@ -196,10 +188,10 @@ def albedo_coordinates(cosine, alpha, eta) -> list:
     eta: None in tables that do not depend on it; a float in tables of one index, without its axis.
     """
     at = [] if cosine is None else [albedos.cosine_coordinate(cosine, eta, DRJIT)]
-    index = []
+    at.append(albedos.roughness_coordinate(alpha, DRJIT))
     if eta is not None and not isinstance(eta, float):
-        index = [albedos.index_coordinate(eta, DRJIT)]
-    return [*at, albedos.roughness_coordinate(alpha, DRJIT), *index]
+        at.append(albedos.index_coordinate(eta, DRJIT))
+    return at
 
 
 class Interpolated:

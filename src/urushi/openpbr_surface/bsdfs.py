@@ -12,18 +12,10 @@ from urushi.core.namespace import DRJIT
 from urushi.mitsuba.frames import above_surface, raised, with_far_side
 from urushi.mitsuba.reading.probing import known_surface
 from urushi.mitsuba.surface import KnownSurface, bsdf_of
-from urushi.openpbr_surface import formulas, model
+from urushi.openpbr_surface import formulas, model, parts
 from urushi.openpbr_surface.compensation import Compensation
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import names_of
-from urushi.openpbr_surface.parts import (
-    COATS,
-    SHARES,
-    OfInputs,
-    coat_properties,
-    load_part,
-    shares,
-)
 
 #: Directions of light that has met several facets: one half evenly, the other by the cosine.
 SPREAD = Mixture([0.5, 0.5], [1.0])
@@ -64,7 +56,7 @@ class Layer:
     coated: bool | None = None  # whether it has the coated or the bare part of it; None: all
 
 
-class Blend(OfInputs):
+class Blend(parts.OfInputs):
     """A mixture of BSDFs. In what transmits light, opaque ones look the same from both sides."""
 
     _layers: Sequence[Layer]
@@ -72,7 +64,7 @@ class Blend(OfInputs):
     def _weights(self, layers: Sequence[Layer], si, active) -> list:
         """The shares of layers at an interaction."""
         at = self._inputs.at(si, active)
-        found = shares(*at.of(*SHARES))
+        found = parts.shares(*at.of(*parts.SHARES))
         covered = {None: 1, True: at.coat_weight, False: 1 - at.coat_weight}
         return [
             mi.Float((getattr(found, layer.share) if layer.share else 1) * covered[layer.coated])
@@ -115,8 +107,8 @@ class Blend(OfInputs):
         return SurfaceProposal(proposals)
 
     def to_string(self):
-        parts = ",\n".join(str(layer.bsdf) for layer in self._layers)
-        return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
+        layers = ",\n".join(str(layer.bsdf) for layer in self._layers)
+        return "OpenPBR[\n  " + layers.replace("\n", "\n  ") + "\n]"
 
 
 class OpenPBRSurface(Blend):
@@ -154,8 +146,8 @@ class OpenPBRSurface(Blend):
         """The base under the coat, without it and with it."""
         below = bsdf_of(model.Base(inputs, under_coat=True))
         options = self._coating.options if self._coating.tables else {}
-        plugin = {"type": COATS[not self._coating.tables], "bottom": below}
-        return below, load_part(inputs, plugin | coat_properties(inputs) | options)
+        plugin = {"type": parts.COATS[not self._coating.tables], "bottom": below}
+        return below, parts.load_part(inputs, plugin | parts.coat_properties(inputs) | options)
 
     @property
     def _walks(self) -> bool:
@@ -169,8 +161,8 @@ class OpenPBRSurface(Blend):
         return super()._vertex(si, active), fuzz
 
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
-        parts, fuzz = vertex
-        f, pdf = super()._f_and_pdf(parts, ctx, si, wo, active)
+        layers, fuzz = vertex
+        f, pdf = super()._f_and_pdf(layers, ctx, si, wo, active)
         if self._absorbs:
             f = model.absorbed(self._inputs, f, si, wo, active)
         if self._compensation:
@@ -181,8 +173,8 @@ class OpenPBRSurface(Blend):
         return f, pdf
 
     def _proposal(self, vertex, si, active):
-        parts, fuzz = vertex
-        proposal = super()._proposal(parts, si, active)
+        layers, fuzz = vertex
+        proposal = super()._proposal(layers, si, active)
         added = [(SPREAD, LOST_SHARE)] if self._compensation else []
         added += [(fuzz, fuzz.share(si.wi))] if fuzz else []
         for other, share in added:
@@ -195,10 +187,8 @@ class OpenPBRSurface(Blend):
             return KnownSurface()
         if not self._coated:
             return replace(known_surface(self._base), table_source=lambda: self)
-        layers = "coat", "specular"
-        if self._walks or not all(
-            inputs.is_constant(f"{layer}_roughness_anisotropy", 0) for layer in layers
-        ):
+        names = (f"{layer}_roughness_anisotropy" for layer in ("coat", "specular"))
+        if self._walks or not all(inputs.is_constant(name, 0) for name in names):
             return KnownSurface()
         return KnownSurface(lobes=self._coat_lobes, table_source=lambda: self)
 

@@ -122,9 +122,8 @@ class LostLight:
             weights = anisotropic_albedos.turn_weights(TURNS, u / v)
         with dr.suspend_grad():
             bsdf = twin({name: texels(x) for name, x in values.items()})
-            sides = [
-                _measured(bsdf, cos2, side) for side in ((1, -1) if _transmits(bsdf) else (1,))
-            ]
+            seen = (1, -1) if _transmits(bsdf) else (1,)
+            sides = [_measured(bsdf, cos2, side) for side in seen]
         hemisphere = 4 * np.linspace(0, 1, COSINES) ** 3 / (COSINES - 1)  # of 2 cos dcos
         hemisphere[-1] /= 2
         means = [

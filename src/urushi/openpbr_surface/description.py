@@ -167,12 +167,8 @@ class OpenPBR:
         Raises:
             PlatformError: no variant is set.
         """
-        bsdf, total = self.bsdf(), np.zeros(())
         wi, wo = (np.asarray(w, np.float32) for w in (wi, wo))
-        uv = np.full((len(wi), 2), 0.5)
-        for walk in range(walks):
-            total = total + probing.bsdf_values(bsdf, wi, wo, uv, float(walk))
-        return total / walks
+        return probing.mean_values(self.bsdf(), wi, wo, walks).astype(np.float32)
 
     def save(self, path: str | os.PathLike, name: str = "material") -> None:
         """Write the material as a MaterialX document, which `load_materialx` reads.

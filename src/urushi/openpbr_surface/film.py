@@ -66,10 +66,9 @@ class FilmFresnel:
 
     def facets(self, cosine, alpha):
         """Cosines and weights of a Gauss rule of `rules`, for a direction; None: diffuse light."""
-        rule = (self._mean_rule if cosine is None else self._rule)(
-            albedo_coordinates(cosine, alpha, None)
-        )
-        return zip(rule[:NODES], rule[NODES:], strict=True)
+        rule = self._mean_rule if cosine is None else self._rule
+        found = rule(albedo_coordinates(cosine, alpha, None))
+        return zip(found[:NODES], found[NODES:], strict=True)
 
     def mean(self, cosine, alpha, eta, bare, si, active):
         """Mean reflectance of the facets seen from a direction, a spectrum; weighted by masking.

@@ -30,16 +30,6 @@ OPTIONS = (
 #: twice through the surface of a body. Their spectra are exact for this number of crossings.
 CROSSINGS = {"coat_color": 1, "transmission_color": 2}
 
-#: Direction parameters of base and coat, with the anisotropies that depend on tangents.
-DIRECTIONS = (
-    ("geometry_normal", "geometry_coat_normal", None),
-    (
-        "geometry_tangent",
-        "geometry_coat_tangent",
-        ("specular_roughness_anisotropy", "coat_roughness_anisotropy"),
-    ),
-)
-
 
 class Values:
     """Numbers and colours at a surface interaction, within their ranges: attributes by name."""
@@ -259,12 +249,13 @@ class Inputs(Recorded):
             problem = "emission_luminance asks for emitted light, and a BSDF does not emit"
             cure = "give its shape the emitter 'openpbr_emission' and leave it out here"
             yield problem, cure, "it is left out"
-        for base, coat, anisotropies in DIRECTIONS:
+        for kind in ("normal", "tangent"):
+            base, coat = f"geometry_{kind}", f"geometry_coat_{kind}"
             if coat not in self.maps or absent("coat_weight"):
                 continue
-            if anisotropies and absent(anisotropies[1]):
+            if kind == "tangent" and absent("coat_roughness_anisotropy"):
                 continue  # the coat has no tangent
-            if anisotropies and absent(anisotropies[0]):
+            if kind == "tangent" and absent("specular_roughness_anisotropy"):
                 self.maps[base] = self.maps[coat]  # nor has the base
             if base not in self.maps or not _equal_textures(self.maps[base], self.maps[coat]):
                 problem = f"{coat} differs from {base}, and all layers share one frame"

@@ -73,12 +73,10 @@ def derived(
 
     function: of Dr.Jit floats; color: of spectra.
     """
-
-    def within_ranges(si: Any, active: Any, *values: Any) -> Any:
-        return function(*map(clipped, names, values))
-
     sources = {name: inputs.textures[name] for name in names}
-    return from_textures(within_ranges, sources, color=color)
+    return from_textures(
+        lambda si, active, *values: function(*map(clipped, names, values)), sources, color=color
+    )
 
 
 def width_properties(inputs: Inputs, layer: str) -> dict[str, "mi.Texture"]:
@@ -106,11 +104,8 @@ def absorption(inputs: Inputs, name: str, depths: int) -> dict[str, Any]:
     """
     if inputs.is_constant(name, 1):
         return {}
-
-    def depth(color: Any) -> Any:
-        return depths * optical_depth(color, DRJIT)
-
-    return {"sigma_t": derived(inputs, (name,), depth, color=True)}
+    texture = derived(inputs, (name,), lambda x: depths * optical_depth(x, DRJIT), color=True)
+    return {"sigma_t": texture}
 
 
 class Shares(NamedTuple):
@@ -143,11 +138,8 @@ def opaque_share(inputs: Inputs) -> Inputs | None:
     share = None if None in known else shares(*known).opaque
     if share == 0:
         return None
-
-    def metal(*of: Any) -> Any:
-        return of[0] / DRJIT.maximum(shares(*of).opaque, 1e-6)
-
-    value = derived(inputs, SHARES, metal) if share is None else known[0] / share
+    of_shares = SHARES, lambda *x: x[0] / dr.maximum(shares(*x).opaque, 1e-6)
+    value = derived(inputs, *of_shares) if share is None else known[0] / share
     return inputs.replaced({"base_metalness": value, **dict.fromkeys(SHARES[1:], 0.0)})
 
 
@@ -194,6 +186,5 @@ def tint_of(inputs: Inputs, at: Values) -> Any:
     if not inputs.transmits(SHARES[1]) or not inputs.is_constant("transmission_depth", 0):
         return mi.Spectrum(1)
     found = shares(*at.of(*SHARES))
-    return dr.lerp(
-        at.transmission_color, 1, found.scattering / dr.maximum(found.transmitting, 1e-6)
-    )
+    untinted = found.scattering / dr.maximum(found.transmitting, 1e-6)
+    return dr.lerp(at.transmission_color, 1, untinted)

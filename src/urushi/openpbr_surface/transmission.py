@@ -21,32 +21,10 @@ from urushi.mitsuba.reading.grid import varies
 from urushi.mitsuba.reading.nested import DECIMALS
 from urushi.mitsuba.snapshot import has_gradients
 from urushi.mitsuba.surface import bsdf_of
-from urushi.openpbr_surface import formulas
-from urushi.openpbr_surface.bsdfs import (
-    OF_COAT,
-    SPREAD,
-    Blend,
-    Layer,
-    OpenPBRSurface,
-    SurfaceProposal,
-)
+from urushi.openpbr_surface import bsdfs, formulas, parts
 from urushi.openpbr_surface.compensation import AXES, LostLight
 from urushi.openpbr_surface.inputs import Inputs
-from urushi.openpbr_surface.parts import (
-    COATS,
-    INDICES,
-    SHARES,
-    Coating,
-    OfInputs,
-    absorption,
-    coat_properties,
-    index2,
-    index_of,
-    load_part,
-    opaque_share,
-    tint_of,
-    width_properties,
-)
+from urushi.openpbr_surface.parts import INDICES, SHARES, OfInputs, index_of
 from urushi.openpbr_surface.two_sided import Glass, Sheet, Unseen
 from urushi.walk import interface
 
@@ -80,10 +58,10 @@ class Slab(OfInputs):
     returns this light is as that of `two_sided.Glass`.
     """
 
-    def __init__(self, inputs: Inputs, coating: Coating, coated: bool):
+    def __init__(self, inputs: Inputs, coating: parts.Coating, coated: bool):
         self._coated = coated
         self._layers = ("specular", "coat") if coated else ("specular",)
-        self.names = (*OF_PANES, *(OF_COAT if coated else ()))
+        self.names = (*OF_PANES, *(bsdfs.OF_COAT if coated else ()))
         super().__init__(inputs, coating)
 
     def _configure(self):
@@ -95,8 +73,8 @@ class Slab(OfInputs):
         self._measure()
 
     def _made(self, inputs: Inputs) -> "mi.BSDF":
-        plugin = {"type": COATS[not self._is_table(inputs)]}
-        return load_part(inputs, slab_of(inputs, self._coated) | plugin)
+        plugin = {"type": parts.COATS[not self._is_table(inputs)]}
+        return parts.load_part(inputs, slab_of(inputs, self._coated) | plugin)
 
     def _is_table(self, inputs: Inputs) -> bool:
         """Whether it is a table: where it is isotropic, and its indices are constant."""
@@ -127,14 +105,15 @@ class Slab(OfInputs):
         scale = dr.maximum(dr.pi * above + below, 1e-5)
         below = below / scale
         through = dr.select(si.wi.z > 0, below, 1 - below)
-        lost, sides = self._losses.lost(si.wi, place), SlabMixture(SPREAD, SPREAD, 1 - through, 1.0)
+        lost = self._losses.lost(si.wi, place)
+        sides = SlabMixture(bsdfs.SPREAD, bsdfs.SPREAD, 1 - through, 1.0)
         return slab, Returned(place, lost, scale, sides, dr.clip(lost, 0, 0.9))
 
     def _f_and_pdf(self, vertex, ctx, si, wo, active):
         slab, returned = vertex
         f, pdf = self._slab._f_and_pdf(slab, ctx, si, wo, active)
         at, through = self._inputs.at(si, active), si.wi.z * wo.z < 0
-        tint = tint_of(self._inputs, at)
+        tint = parts.tint_of(self._inputs, at)
         if self._coated and not self._inputs.thin:
             # Light from below that the surface of the body does not reflect crosses it twice.
             coat = formulas.interface_index(at.coat_ior, DRJIT)
@@ -146,7 +125,7 @@ class Slab(OfInputs):
             return f, pdf
         one, other = returned.lost, self._losses.lost(wo, returned.place)
         lobe = dr.maximum(one, 0) * dr.maximum(other, 0)
-        lobe *= index2(wo, self._index) / returned.scale
+        lobe *= parts.index2(wo, self._index) / returned.scale
         if self._coated:
             tint *= dr.sqrt(at.coat_color)
         if ctx.mode != mi.TransportMode.Importance:
@@ -159,7 +138,7 @@ class Slab(OfInputs):
         proposal = self._slab._proposal(slab, si, active)
         if returned is None:
             return proposal
-        return SurfaceProposal(
+        return bsdfs.SurfaceProposal(
             [(proposal, 1 - returned.share), (returned.proposal, returned.share)]
         )
 
@@ -171,15 +150,15 @@ class Slab(OfInputs):
 
 def slab_of(inputs: Inputs, coated: bool) -> dict[str, Any]:
     """A slab as a dictionary of a plugin, without its type: a pane, or coats on it or on a body."""
-    index, rough = index_of(inputs), width_properties(inputs, "specular")
-    pane = {"int_ior": index, **rough, **absorption(inputs, "transmission_color", 2)}
+    index, rough = index_of(inputs), parts.width_properties(inputs, "specular")
+    pane = {"int_ior": index, **rough, **parts.absorption(inputs, "transmission_color", 2)}
     if not coated:
         return pane | {"ext_ior": 1.0}
-    coat, glass = coat_properties(inputs), {"type": "roughdielectric", "distribution": "ggx"}
+    coat, glass = parts.coat_properties(inputs), {"type": "roughdielectric", "distribution": "ggx"}
     if not inputs.thin:
         return coat | {"base": glass | rough | {"int_ior": round(index * AIR, DECIMALS)}}
     # The coat below lies between the pane's lower surface and its own.
-    outer = width_properties(inputs, "coat")
+    outer = parts.width_properties(inputs, "coat")
     below = {name: x for name, x in coat.items() if name not in ("ext_ior", *outer)} | rough
     # Mitsuba refuses equal indices.
     far = glass | outer | {"int_ior": AIR * (1 + 1e-5)}
@@ -188,32 +167,32 @@ def slab_of(inputs: Inputs, coated: bool) -> dict[str, Any]:
     return coat | {"base": pane}
 
 
-class Body(Blend):
+class Body(bsdfs.Blend):
     """A surface that transmits light: a mixture of two-sided BSDFs."""
 
     def _configure(self):
         """Make the layers that parameters need."""
         self._ior: float | None = None  # until all are made
         inputs, index = self._inputs, index_of(self._inputs)
-        parts, unseen = [], []
-        rest = opaque_share(inputs)
+        layers, unseen = [], []
+        rest = parts.opaque_share(inputs)
         if rest is not None:
-            parts.append(Layer(bsdf_of(OpenPBRSurface(rest, self._coating)), "opaque"))
+            layers.append(bsdfs.Layer(bsdf_of(bsdfs.OpenPBRSurface(rest, self._coating)), "opaque"))
         clear, scatters = map(inputs.transmits, SHARES[1:])
         if inputs.thin and scatters:
-            parts.append(Layer(bsdf_of(Sheet(inputs)), "scattering"))
+            layers.append(bsdfs.Layer(bsdf_of(Sheet(inputs)), "scattering"))
         if clear or (scatters and not inputs.thin):
             share = "clear" if inputs.thin else "transmitting"
             for coated, absent in ((False, 1), (True, 0)):
                 if inputs.is_constant("coat_weight", absent):
                     continue
                 if Unseen.is_right(inputs, coated):
-                    unseen.append(Layer(Unseen(inputs, coated), share, coated))
+                    unseen.append(bsdfs.Layer(Unseen(inputs, coated), share, coated))
                     continue
                 slab = coated or inputs.thin
                 surface = Slab(inputs, self._coating, coated) if slab else Glass(inputs)
-                parts.append(Layer(bsdf_of(surface), share, coated))
-        self._layers, self._unseen, self._ior = parts, unseen, index
+                layers.append(bsdfs.Layer(bsdf_of(surface), share, coated))
+        self._layers, self._unseen, self._ior = layers, unseen, index
         self._transmit(None if inputs.thin else index)
 
     def _flags(self):
@@ -242,9 +221,8 @@ class Body(Blend):
         bs.eta = dr.select(straight, 1, bs.eta)
         bs.sampled_type = dr.select(straight, mi.UInt32(+mi.BSDFFlags.Null), bs.sampled_type)
         bs.sampled_component = dr.select(straight, mi.UInt32(2), bs.sampled_component)
-        return bs, dr.select(
-            passes, total / dr.maximum(share, 1e-6), dr.select(straight, 0, weight)
-        )
+        weight = dr.select(straight, 0, weight)
+        return bs, dr.select(passes, total / dr.maximum(share, 1e-6), weight)
 
     def eval_null_transmission(self, si, active=True):
         return self._straight(mi.BSDFContext(), si, active)[1]
@@ -254,7 +232,7 @@ class Body(Blend):
         for layer in (*self._layers, *self._unseen):
             names += layer.bsdf.names
         if "transmission_color" in names:  # a coat may appear
-            names += ("coat_weight", *OF_COAT)
+            names += ("coat_weight", *bsdfs.OF_COAT)
         self._inputs.traverse(callback, dict.fromkeys(names), self._fixed())
 
     def _fixed(self) -> set[str]:

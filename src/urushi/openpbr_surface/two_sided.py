@@ -113,11 +113,8 @@ class Glass(OfInputs):
         self._film: Any = FilmFresnel(self._inputs) if film else None
         self._mirror: Any = InterfaceAlbedo(MIRROR, two_widths) if film else None
         bare = film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
-        self.names = (
-            *names_of("specular"),
-            "transmission_color",
-            *(film_parameters if bare else ()),
-        )
+        of_film = film_parameters if bare else ()
+        self.names = (*names_of("specular"), "transmission_color", *of_film)
 
     def _vertex(self, si, active):
         at = self._inputs.at(si, active)
@@ -137,10 +134,7 @@ class Glass(OfInputs):
 
         above: whether the light is above the surface.
         """
-        sides = [
-            table.both_mean(widths, eta) if w is None else table.both(w, widths, eta)
-            for eta, table in self._sides
-        ]
+        sides = [table.both(w, widths, eta) for eta, table in self._sides]
         reflected, passed = (dr.select(above, *pair) for pair in zip(*sides, strict=True))
         lost = 1 - reflected - passed
         if not self._film:

@@ -93,12 +93,7 @@ class Baked(NamedTuple):
         return simplex(self.shape, coordinates, index, xp)
 
 
-def bake(
-    model: Model,
-    axes: Sequence[Axis],
-    rows: Rows,
-    constants: Mapping[str, Changes],
-) -> Baked:
+def bake(model: Model, axes: Sequence[Axis], rows: Rows, constants: Mapping[str, Changes]) -> Baked:
     """The codes at nodes of the axes, at most `AXES` of them.
 
     Args:

@@ -36,7 +36,7 @@ def texture_image(texture: Texture, grid: TexelGrid) -> Image:
     return Image(rows.transpose(2, 0, 1, 3), is_volume=False)
 
 
-def texels(texture: Texture, grid: TexelGrid) -> Texels:
+def texels(texture: Texture) -> Texels:
     """The layout by which shaders read a texture's codes."""
     layout = texture.layout
     if layout.channels not in (1, 3):
@@ -45,23 +45,17 @@ def texels(texture: Texture, grid: TexelGrid) -> Texels:
             "exported"
         )
     numbers = []
-    for number in range(layout.size):
+    for number, (high, low) in enumerate(zip(layout.high, layout.low, strict=True)):
         offset, step = float(texture.lowest[number]), float(texture.step[number])
-        high, low = layout.high[number], layout.low[number]
-        channels = []
-        for channel in range(layout.channels):
-            start = layout.start(channel, number)
-            factors: tuple[tuple[int, float], ...] = ()
-            if high >= 0 and low >= 0:
-                factors = ((start + high, 255 * 256 * step), (start + low, 255 * step))
-            elif high >= 0:
-                factors = ((start + high, 255 * step),)
-            channels.append((offset, factors))
-        numbers.append(channels)
-    wraps = {"repeat": "repeat", "mirror": "mirrored repeat", "clamp": "clamp to edge"}
-    kind = "nearest" if grid.nearest else "linear"
-    sampler = f"Its sampler has the wrap mode {wraps[grid.wrap]} and {kind} filtering."
-    return Texels(numbers, _layers(texture), grid.to_texture, sampler)
+        factors = {high: 255 * step} if low < 0 else {high: 255 * 256 * step, low: 255 * step}
+        factors.pop(-1, None)  # what is the same in the whole texture has no bytes
+        starts = (layout.start(channel, number) for channel in range(layout.channels))
+        numbers.append(
+            [(offset, tuple((start + x, y) for x, y in factors.items())) for start in starts]
+        )
+    sampler = "Its sampler has the wrap mode repeat and linear filtering."
+    whole = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)  # the unit square of uv
+    return Texels(numbers, _layers(texture), whole, sampler)
 
 
 def _layers(texture: Texture) -> int:

@@ -111,11 +111,8 @@ class Texture(NamedTuple):
         lowest, inverse, highest = (
             np.tile(x, layout.channels) for x in (self.lowest, inverse, highest)
         )
-        levels = codes.astype(np.float32, order="C").reshape(len(codes), len(lowest))
-        levels -= lowest
-        levels *= inverse
-        np.rint(levels, out=levels)
-        levels.clip(0, highest, out=levels)
+        flat = codes.astype(np.float32, order="C").reshape(len(codes), len(lowest))
+        levels = np.rint((flat - lowest) * inverse).clip(0, highest)
         # A texel's bytes are chosen from the low and the high byte of every number.
         both = levels.astype("<u2").view(np.uint8)
         source = np.zeros(layout.texel_bytes + 1, np.intp)

@@ -19,19 +19,15 @@ KIND, FORMAT_VERSION = "texture", 4
 #: Names in files of the arrays of a `Texture`.
 ARRAYS = ("texels", "lowest", "step")
 
-#: Texture space equal to uv.
-IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+#: The place of texels in files: over the unit square of uv, which repeats.
+PLACE = {"to_texture": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "wrap": "repeat", "nearest": False}
 
 
 class TexelGrid(NamedTuple):
-    """Texels over the unit square of texture space."""
+    """Texels over the unit square of uv, which repeats."""
 
     width: int
     height: int
-    # The affine map (2, 3) from uv to texture space.
-    to_texture: tuple[tuple[float, float, float], tuple[float, float, float]] = IDENTITY
-    wrap: str = "repeat"  # beyond the unit square: "repeat", "mirror" or "clamp"
-    nearest: bool = False  # whether a look-up returns the nearest texel instead of interpolating
 
     @property
     def texels(self) -> int:
@@ -40,22 +36,13 @@ class TexelGrid(NamedTuple):
 
     def uv(self, start: int = 0, stop: int | None = None) -> np.ndarray:
         """The uv (M, 2) of the centres of texels start to stop - 1, in row-major order."""
-        index = np.arange(start, self.texels if stop is None else stop)
-        x = (index % self.width + 0.5) / self.width
-        y = (index // self.width + 0.5) / self.height
-        return from_texture(self.to_texture, np.stack([x, y], axis=-1))
+        index = np.arange(*slice(start, stop).indices(self.texels))
+        places = np.stack([index % self.width, index // self.width], axis=-1)
+        return (places + 0.5) / (self.width, self.height)
 
 
 #: The grid of what is the same everywhere.
 ONE_TEXEL = TexelGrid(1, 1)
-
-
-def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
-    """The uv (M, 2) of points of texture space (M, 2)."""
-    if to_texture == IDENTITY:
-        return points
-    matrix = np.array(to_texture)
-    return np.linalg.solve(matrix[:, :2], (points - matrix[:, 2]).T).T
 
 
 def write_texture(
@@ -68,7 +55,7 @@ def write_texture(
         "width": grid.width,
         "height": grid.height,
         "layout": texture.layout._asdict(),
-        "place": {"to_texture": grid.to_texture, "wrap": grid.wrap, "nearest": grid.nearest},
+        "place": PLACE,
     }
     arrays = dict(zip(ARRAYS, texture[1:], strict=True))
     description["checksum"] = _checksum(description, arrays)
@@ -94,9 +81,9 @@ def read_texture(
         entries: dict[str, Any] = {
             n: tuple(x) if isinstance(x, list) else x for n, x in description["layout"].items()
         }
-        place = description["place"]
-        place["to_texture"] = tuple(map(tuple, place["to_texture"]))
-        grid = TexelGrid(description["width"], description["height"], **place)
+        if description["place"] != PLACE:
+            raise ValueError("its texels are not over the unit square of uv")
+        grid = TexelGrid(description["width"], description["height"])
         texture = Texture(TexelLayout(**entries), *(arrays[name] for name in ARRAYS))
         if min(grid.width, grid.height) < 1 or len(texture.bytes) != grid.texels:
             raise ValueError(f"its {len(texture.bytes)} texels do not fill its grid")

@@ -26,7 +26,7 @@ from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, coordinates, corner_steps
 from urushi.material.material import Material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents import lobe
-from urushi.mitsuba.latents.lobe import ANY_LOBE, NO_LOBE, LobeKind, kind_of
+from urushi.mitsuba.latents.lobe import NO_LOBE, LobeKind, kind_of
 from urushi.mitsuba.latents.proposal import CodeProposals
 from urushi.mitsuba.recording import only_where, owned
 from urushi.mitsuba.tables import Numbers, stored, tabulated
@@ -46,11 +46,7 @@ class BasisTable:
             factors: (N,) of `core.stretched`, for two widths; 0: none.
         """
         self._factors, self._numbers = factors, Numbers(rows)
-
-    @property
-    def count(self) -> int:
-        """Number of columns, N."""
-        return self._numbers.count
+        self.count = rows.shape[1]  # N
 
     def at(self, wi, wo, stretch2=None) -> list:
         """Mean and functions (N) of a pair above the horizon.
@@ -164,7 +160,7 @@ class Vertex(NamedTuple):
 
     # Per channel the terms of f, Dr.Jit floats; one list if all channels have the same code.
     decoder_terms: list[list]
-    proposal: Any  # a mixture, of the mean code over the channels; None if it is not needed
+    proposal: Any  # a mixture, of the mean code over the channels
     # Per channel and parameter that carries a gradient, slopes of the terms after the lobe.
     slopes: Sequence[list[list]] = ()
 
@@ -231,8 +227,8 @@ class ConstantLatents(EvaluatedCodes):
         if tensor is not None:
             # Numbers that vanish or that channels share have gradients of their own.
             edged = kind_of(material.latents[:, : model.arch.lobe]).edged
-            kind = ANY_LOBE._replace(widths=model.widths, edged=edged)
-            self._changing = BasisDecoder(model, kind)
+            every = (True,) * model.arch.lobe
+            self._changing = BasisDecoder(model, LobeKind(every, edged=edged))
             self._size, self._codes = tensor.shape[-1], tensor.array
             dr.make_opaque(self._codes)
 

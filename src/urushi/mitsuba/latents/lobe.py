@@ -20,39 +20,27 @@ from urushi.nets.transmittance import has_edges, transmittance
 class LobeKind(NamedTuple):
     """Properties that the lobes of a plugin's codes have at all texels."""
 
-    schlick: bool = True  # whether the factors normal and grazing may differ from zero
-    exact: bool = True  # whether the factor of the exact term may differ from zero
-    plain: bool = False  # whether that factor is one everywhere
-    absorbing: bool = True  # whether k may differ from zero
+    #: Whether the number at each place may differ from its common value; the first: whether any
+    #: lobe reflects.
+    needed: tuple[bool, ...]
     edged: bool = True  # whether any may have edges of total reflection, see `has_edges`
     same_alpha: bool = False  # whether all channels have the same width
     same_reflectance: bool = False  # whether all channels have the same five other numbers
-    widths: int = 1  # 2 if lobes have two widths
 
     @property
     def present(self) -> bool:
         """Whether any lobe reflects."""
-        return self.schlick or self.exact
+        return self.needed[0]
 
     @property
-    def needed(self) -> dict[int, bool]:
-        """Whether the number at each place may differ from its common value."""
-        needed = {
-            0: self.present,
-            1: self.schlick,
-            2: self.schlick,
-            3: self.exact and not self.plain,
-            4: self.exact,
-            5: self.exact and self.absorbing,
-        }
-        return needed | ({6: self.present} if self.widths == 2 else {})
+    def widths(self) -> int:
+        """2 if lobes have two widths."""
+        return len(self.needed) - 5
 
     def numbers(self, channel: int) -> list[int]:
         """Places of the numbers of a channel's lobe that the first channel does not give."""
-        needed = self.needed
-        own = dict.fromkeys(needed, not self.same_reflectance)
-        own |= dict.fromkeys(WIDTH_PLACES[self.widths], not self.same_alpha)
-        return [i for i in needed if needed[i] and (own[i] or channel == 0)]
+        shared = zip(self.needed, self._alike, strict=True)
+        return [i for i, (needed, alike) in enumerate(shared) if needed and not (channel and alike)]
 
     def complete(self, lobes: Sequence[Sequence]) -> list[list]:
         """The lobes (N) of all channels from the numbers that `numbers` names, None elsewhere."""
@@ -66,36 +54,36 @@ class LobeKind(NamedTuple):
 
     def mean(self, lobes: Sequence[Sequence]) -> list:
         """The mean over channels of lobes (N) of Dr.Jit floats."""
-        alphas = WIDTH_PLACES[self.widths]
-        same = (self.same_alpha if i in alphas else self.same_reflectance for i in self.needed)
         return [
             values[0] if alike else sum(values) * (1 / len(values))
-            for alike, values in zip(same, zip(*lobes, strict=True), strict=True)
+            for alike, values in zip(self._alike, zip(*lobes, strict=True), strict=True)
         ]
+
+    @property
+    def _alike(self) -> list[bool]:
+        """Whether all channels have the same number at each place."""
+        alphas = WIDTH_PLACES[self.widths]
+        places = range(len(self.needed))
+        return [self.same_alpha if i in alphas else self.same_reflectance for i in places]
 
 
 #: No lobe reflects.
-NO_LOBE = LobeKind(schlick=False, exact=False, absorbing=False, edged=False)
-
-#: Nothing is known of lobes of one width.
-ANY_LOBE = LobeKind()
+NO_LOBE = LobeKind((False,) * 6, edged=False)
 
 
 def kind_of(lobes: np.ndarray) -> LobeKind:
     """Common properties of lobes (C, ..., N) of channels."""
     others = tuple(range(lobes.ndim - 1))
     same = (lobes == lobes[:1]).all(axis=others)
-    _, normal, grazing, exact, _, k, *across = (lobes != 0).any(axis=others)
-    widths = 1 + len(across)
+    _, normal, grazing, exact, _, k, *across = (lobes != 0).any(axis=others).tolist()
+    schlick, plain = normal or grazing, bool((lobes[..., 3] == 1).all())
+    present, places = schlick or exact, WIDTH_PLACES[1 + len(across)]
+    needed = present, schlick, schlick, exact and not plain, exact, exact and k
     return LobeKind(
-        schlick=bool(normal or grazing),
-        exact=bool(exact),
-        plain=bool((lobes[..., 3] == 1).all()),
-        absorbing=bool(exact and k),
+        (*needed, *[present] * len(across)),
         edged=bool(has_edges(lobes).any()),
-        same_alpha=bool(same[list(WIDTH_PLACES[widths])].all()),
+        same_alpha=bool(same[list(places)].all()),
         same_reflectance=bool(same[1:6].all()),
-        widths=widths,
     )
 
 
@@ -108,15 +96,12 @@ def f(lobes: Sequence[Sequence], wi, wo, kind: LobeKind) -> list:
         return [wi.z * 0] * len(lobes)
     h = wi + wo
     cosine = microfacet.facet_cosine(h, DRJIT)
-    alphas = [_width(lobe, kind) for lobe in (lobes[:1] if kind.same_alpha else lobes)]
-    shapes = [microfacet.lobe_shape(alpha, wi, wo, h, DRJIT) for alpha in alphas]
-    values = [
-        reflectance(lobe, cosine, kind) for lobe in (lobes[:1] if kind.same_reflectance else lobes)
+    # Dr.Jit merges equal expressions of channels.
+    return [
+        microfacet.lobe_shape(width_of(lobe, kind), wi, wo, h, DRJIT)
+        * reflectance(lobe, cosine, kind)
+        for lobe in lobes
     ]
-    if kind.same_alpha and kind.same_reflectance:
-        return [shapes[0] * values[0]] * len(lobes)
-    count = len(lobes)
-    return [a * b for a, b in zip(_each(shapes, count), _each(values, count), strict=True)]
 
 
 def with_rests(lobes: Sequence[Sequence], rests: Sequence, wi, wo, kind: LobeKind) -> list:
@@ -126,15 +111,10 @@ def with_rests(lobes: Sequence[Sequence], rests: Sequence, wi, wo, kind: LobeKin
     """
     if not kind.present:
         return [*rests]
-    values = f(lobes, wi, wo, kind)
     if kind.edged:
-        alike = kind.same_alpha and kind.same_reflectance
-        shares = [
-            passed(lobe, wi, kind) * passed(lobe, wo, kind)
-            for lobe in (lobes[:1] if alike else lobes)
-        ]
-        rests = [a * b for a, b in zip(_each(shares, len(rests)), rests, strict=True)]
-    return [a + b for a, b in zip(values, rests, strict=True)]
+        shares = [passed(lobe, wi, kind) * passed(lobe, wo, kind) for lobe in lobes]
+        rests = [a * b for a, b in zip(shares, rests, strict=True)]
+    return [a + b for a, b in zip(f(lobes, wi, wo, kind), rests, strict=True)]
 
 
 def passed(lobe: Sequence, w, kind: LobeKind) -> Any:
@@ -142,15 +122,10 @@ def passed(lobe: Sequence, w, kind: LobeKind) -> Any:
     if not kind.edged:
         return 1.0
     numbers = [lobe[i] if kind.needed[i] else None for i in (3, 4, 5)]
-    return transmittance(_width(lobe, kind), numbers, w, DRJIT)
+    return transmittance(width_of(lobe, kind), numbers, w, DRJIT)
 
 
-def _each(values: list, count: int) -> list:
-    """One value for each of `count` channels."""
-    return values * count if len(values) == 1 else values
-
-
-def _width(lobe: Sequence, kind: LobeKind):
+def width_of(lobe: Sequence, kind: LobeKind):
     """The width of a lobe (N), or the two `Widths`."""
     return lobe[0] if kind.widths == 1 else Widths(lobe[0], lobe[6])
 

@@ -152,12 +152,8 @@ class AxisLatents(EvaluatedCodes):
         codes, slopes, nodes = [], [], math.prod(baked.shape)
         for c in range(self._evaluated_channels):
             first = min(c, baked.channels - 1) * nodes
-            corners = [
-                (node + first, weight)
-                for node, weight in baked.corners(
-                    [_of(x, c) for x in coordinates], mi.UInt32, DRJIT
-                )
-            ]
+            found = baked.corners([_of(x, c) for x in coordinates], mi.UInt32, DRJIT)
+            corners = [(node + first, weight) for node, weight in found]
             code = self._numbers.at(corners)
             lobe = self._lobe(values, code[: len(self._stored)])
             codes.append([*lobe, *code[len(self._stored) :]])
@@ -287,19 +283,11 @@ def drawn_texel(si, grid: TexelGrid) -> list:
     bits = [dr.reinterpret_array(mi.UInt32, x) for x in singles]
     hashed, _ = mi.sample_tea_32(bits[0] + 0x9E3779B9 * bits[2], bits[1] + 0x85EBCA6B * bits[3])
     found = []
-    for (a, b, c), texels, shift in zip(
-        grid.to_texture, (grid.width, grid.height), (8, 16), strict=True
-    ):
+    sides = grid.width, grid.height
+    for x, texels, shift in zip(si.uv, sides, (8, 16), strict=True):
         u = (mi.Float((hashed >> shift) % WEIGHT_STEPS) + 0.5) / WEIGHT_STEPS
-        x, count = a * si.uv.x + b * si.uv.y + c, mi.Int32(texels)
-        if grid.wrap == "repeat":
-            x = x - dr.floor(x)
-        elif grid.wrap == "mirror":
-            x = dr.abs(x - 2 * dr.round(0.5 * x))
-        else:
-            x = dr.clip(x, 0, 1)
-        texel = mi.Int32(dr.floor(x * count - (0.0 if grid.nearest else 0.5 - u)))
-        if grid.wrap == "repeat":
-            texel = dr.select(texel >= count, 0, dr.select(texel < 0, count - 1, texel))
+        count = mi.Int32(texels)
+        texel = mi.Int32(dr.floor((x - dr.floor(x)) * count - (0.5 - u)))
+        texel = dr.select(texel >= count, 0, dr.select(texel < 0, count - 1, texel))
         found.append(dr.clip(texel, 0, count - 1))  # NaN too
     return found

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -11,40 +11,15 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT, stacked
-from urushi.mitsuba.latents.lobe import LobeKind, passed, reflectance
+from urushi.mitsuba.latents.lobe import LobeKind, passed, reflectance, width_of
 from urushi.mitsuba.tables import interpolated, padded
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.proposal import ALPHAS, LARGEST_STRETCH, mixture, stretched_widths, weights
+from urushi.nets.proposal import ALPHAS, mixture, weights, widths_of
 from urushi.nets.weights import Model
 
 #: Roots of the cosines at which the weights of one code are tabulated: most at grazing angles,
 #: where they change most.
 ROOTS = np.linspace(0.0, 1.0, 129)
-
-
-class CodeMixture(NamedTuple):
-    """The proposal of a code for one wi; see `core.mixture.Mixture`.
-
-    The widths that all codes share are constants in kernels, not values of a vertex.
-    """
-
-    weights: Sequence  # of the own lobe, of `ALPHAS` and of the cosine lobe
-    own: Any  # the width of the own lobe, or its `Widths`
-    stretch: Sequence  # s of two widths, nothing for one
-
-    @property
-    def mixture(self) -> Mixture:
-        """The mixture with all widths."""
-        fixed = stretched_widths(self.stretch[0]) if self.stretch else ALPHAS
-        return Mixture(self.weights, [self.own, *fixed])
-
-    def pdf(self, wi, wo):
-        """Density of `sample` at wo [1/sr]."""
-        return self.mixture.pdf(wi, wo)
-
-    def sample(self, wi, choice, u):
-        """Draw wo; see `Mixture.sample`."""
-        return self.mixture.sample(wi, choice, u)
 
 
 class CodeProposals:
@@ -68,34 +43,23 @@ class CodeProposals:
         places = [*WIDTH_PLACES[self._kind.widths], -1]  # the last: ln s of two widths
         return [padded(rows), latent[places].astype(np.float32)]
 
-    def proposal_of_table(self, table: Sequence, wi) -> CodeMixture:
+    def proposal_of_table(self, table: Sequence, wi) -> Mixture:
         """The mixture for wi, linear in the cosine's root between nodes."""
         rows, own = table
         place = dr.sqrt(dr.select(wi.z > 0, wi.z, 0))
         numbers = interpolated(rows, [len(ROOTS)], [place])[: len(ALPHAS) + 2]
-        *sides, stretch = (dr.gather(mi.Float, own, i) for i in range(self._kind.widths + 1))
-        return CodeMixture(numbers, of_sides(sides), stretch_of(sides, stretch))
+        *sides, log_stretch = (dr.gather(mi.Float, own, i) for i in range(self._kind.widths + 1))
+        width = Widths(*sides) if self._kind.widths == 2 else sides[0]
+        return Mixture(numbers, widths_of(width, log_stretch, DRJIT))
 
     def proposal_of_terms(
         self, lobe: Sequence, terms: Sequence, wi, log_stretch: Any = 0.0
-    ) -> CodeMixture:
+    ) -> Mixture:
         """The mixture of the lobe of a code, and of its terms, see `nets.proposal.code_terms`.
 
         log_stretch: the last number of a code of two widths.
         """
-        sides = [lobe[place] for place in WIDTH_PLACES[self._kind.widths]]
-        own, fresnel = of_sides(sides), partial(reflectance, lobe, kind=self._kind)
+        own, fresnel = width_of(lobe, self._kind), partial(reflectance, lobe, kind=self._kind)
         through = passed(lobe, wi, self._kind)
         numbers = weights(terms, self._overlaps, own, fresnel, wi.z, DRJIT, through)
-        return CodeMixture(numbers, own, stretch_of(sides, log_stretch))
-
-
-def of_sides(sides: Sequence) -> Any:
-    """The width, or the `Widths` of two."""
-    return sides[0] if len(sides) == 1 else Widths(*sides)
-
-
-def stretch_of(sides: Sequence, log_stretch: Any) -> list:
-    """s of a code of two widths, from ln s; nothing for one width."""
-    limit = LARGEST_STRETCH
-    return [dr.exp(dr.clip(log_stretch, -limit, limit))] if len(sides) == 2 else []
+        return Mixture(numbers, widths_of(own, log_stretch, DRJIT))

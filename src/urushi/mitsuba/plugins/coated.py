@@ -10,16 +10,8 @@ from urushi import checks
 from urushi.errors import ParameterError
 from urushi.mitsuba.plugins.compensation import Compensation
 from urushi.mitsuba.plugins.stack import BottomLobes, CoatStack, MitsubaBottom
+from urushi.mitsuba.reading import nested
 from urushi.mitsuba.reading.changed import relative_to
-from urushi.mitsuba.reading.nested import (
-    LowestInterface,
-    check_bottom,
-    check_dielectric,
-    check_rotation,
-    is_dielectric,
-    nested_bsdf,
-    pane,
-)
 from urushi.mitsuba.reading.parameters import COAT_PROPERTIES, CoatTextures
 from urushi.mitsuba.reading.ranges import check_coat
 from urushi.mitsuba.recording import compiled_once
@@ -38,7 +30,7 @@ class Coated(Surface):
     _differentiable = False  # by all parameters
 
     def _load(self, props):
-        self._nested = nested_bsdf(props, optional=True)
+        self._nested = nested.nested_bsdf(props, optional=True)
         self._coat = CoatTextures(props)
 
     def _prepare(self):
@@ -79,10 +71,10 @@ class CoatedSurface(Coated):
         for name in ("resolution", "weights"):  # Mitsuba refuses properties that nobody reads
             props.get(name, None)
         self._inner = bool(props.get("inner", False))  # whether a slab is a part of another
-        if is_dielectric(self._nested):
-            check_dielectric(self._nested, self._coat.where)
+        if nested.is_dielectric(self._nested):
+            nested.check_dielectric(self._nested, self._coat.where)
         elif self._nested is not None and not is_slab(self._nested):
-            check_bottom(self._nested, self._coat.where)
+            nested.check_bottom(self._nested, self._coat.where)
         self._prepare()
 
     def relative_to(self, coat):
@@ -95,21 +87,22 @@ class CoatedSurface(Coated):
     def _prepare(self):
         """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
         check_coat(self._coat)
-        nested: Any = None if self._nested is None else relative_to(self._nested, self._coat)
-        inner: Any = None if nested is None else surface_of(nested)
+        below: Any = None if self._nested is None else relative_to(self._nested, self._coat)
+        inner: Any = None if below is None else surface_of(below)
         stacked = isinstance(inner, type(self))
-        self.lowest: LowestInterface | None = None
-        if is_dielectric(self._nested):
+        self.lowest: nested.LowestInterface | None = None
+        if nested.is_dielectric(self._nested):
             thin = self._nested.class_name() == "ThinDielectric"
-            self.coats = [self._coat, *([pane(nested).relative_to(self._coat)] if thin else [])]
-            self.lowest, self.bottom = None if thin else LowestInterface(nested), None
-        elif stacked or is_slab(nested):
+            panes = [nested.pane(below).relative_to(self._coat)] if thin else []
+            self.coats = [self._coat, *panes]
+            self.lowest, self.bottom = None if thin else nested.LowestInterface(below), None
+        elif stacked or is_slab(below):
             self.coats = [self._coat, *inner.coats]
             self.lowest, self.bottom = inner.lowest, inner.bottom
         else:
-            self.coats, self.bottom = [self._coat], nested
+            self.coats, self.bottom = [self._coat], below
         if self._nested is not None:
-            check_rotation(self._nested, self._coat.where)
+            nested.check_rotation(self._nested, self._coat.where)
         self.compensation = None
         if self.bottom is None and self._coat.compensated:
             raise ParameterError(
@@ -119,7 +112,7 @@ class CoatedSurface(Coated):
             self._prepare_slab()
         else:
             if self._coat.compensated:
-                self.compensation = Compensation(self._coat, nested)
+                self.compensation = Compensation(self._coat, below)
             self.bottom_lobes = inner.bottom_lobes if stacked else BottomLobes(self.bottom)
 
     def _prepare_slab(self):

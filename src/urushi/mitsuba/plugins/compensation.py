@@ -96,12 +96,12 @@ class Compensation:
         mirrored: share that the base mirrors.
         """
         # Both from one table: what it does not reflect is passed or lost, whatever its error.
-        reflected, passed = self._inside.both_mean(alpha, 1 / eta, mirrored)
+        reflected, passed = self._inside.both(None, alpha, 1 / eta, mirrored)
         leaves = passed / (1 - reflected)  # share of light from the base, over the mean that enters
 
         def lost(reflected, passed):
             return 1 - reflected - leaves * passed
 
         one, other = (dr.clip(lost(*self._above.both(w, alpha, eta)), 0, 1) for w in (wi, wo))
-        mean = dr.maximum(dr.pi * lost(*self._above.both_mean(alpha, eta)), 1e-5)
+        mean = dr.maximum(dr.pi * lost(*self._above.both(None, alpha, eta)), 1e-5)
         return dr.select(eta == 1, 0, one * other / mean)  # 1: there is no interface

@@ -8,8 +8,8 @@ from urushi.errors import ParameterError
 from urushi.measured import Rgl, load_measured
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.properties import path_of
-from urushi.mitsuba.recording import owned
 from urushi.mitsuba.surface import KnownSurface, Surface
+from urushi.mitsuba.tables import Interpolated
 from urushi.walk.tabulated import Tabulated
 
 #: Wavelengths [nm] at which the spectra of a file are tabulated: the first, and their number.
@@ -58,13 +58,14 @@ class MeasuredBRDF(Surface):
             raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")
         self._filename = props["filename"]
         self.source = source = load_measured(path_of(props, "filename"))
-        self._spectra = []  # of each channel of the table; empty: the channels are colours
+        #: Of the channels of the table, by the wavelength; None: the channels are colours.
+        self._spectra: Interpolated | None = None
         try:
             if mi.is_spectral and isinstance(source, Rgl) and source.wavelengths is not None:
                 (table, spectra), nm = source.components, np.arange(FIRST, FIRST + COUNT)
-                rows = [np.interp(nm, source.wavelengths, row) for row in spectra]
-                self._spectra = [owned(mi.Float, row.astype(np.float32)) for row in rows]
-                tabulated = Tabulated(table, np.mean(rows, axis=1))
+                rows = np.stack([np.interp(nm, source.wavelengths, x) for x in spectra], axis=-1)
+                self._spectra = Interpolated(rows)
+                tabulated = Tabulated(table, rows.mean(axis=0))
             else:
                 tabulated = source.tabulated
             self._reflector = tabulated.on(mi.Float)
@@ -76,15 +77,12 @@ class MeasuredBRDF(Surface):
 
     def _f(self, vertex, ctx, si, wo, active):
         channels = self._reflector.channels(si.wi, wo)
-        if not self._spectra:
+        if self._spectra is None:
             return spectrum.from_channels(channels, si.wavelengths, colors=True)
         lanes = []
         for wavelength in si.wavelengths:  # the last ones of the file hold beyond them
-            place = dr.clip(wavelength - FIRST, 0, COUNT - 1.001)
-            low, total = mi.UInt32(place), mi.Float(0)
-            for value, row in zip(channels, self._spectra, strict=True):
-                ends = (dr.gather(mi.Float, row, low + i) for i in (0, 1))
-                total += value * dr.lerp(*ends, place - low)
+            parts = self._spectra([(wavelength - FIRST) * (1 / (COUNT - 1))])
+            total = sum(value * part for value, part in zip(channels, parts, strict=True))
             lanes.append(dr.maximum(total, 0))
         return mi.Spectrum(*lanes)
 

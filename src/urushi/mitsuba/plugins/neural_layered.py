@@ -7,7 +7,6 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.mitsuba.latents.codes import ConstantLatents
 from urushi.mitsuba.latents.over_axes import AxisLatents
 from urushi.mitsuba.plugins.coated import Coated
 from urushi.mitsuba.plugins.compensation import Compensation
@@ -18,7 +17,7 @@ from urushi.mitsuba.reading.changed import relative_to
 from urushi.mitsuba.reading.layer_codes import Baker, at_texels
 from urushi.mitsuba.reading.nested import check_bottom, check_rotation
 from urushi.mitsuba.surface import KnownSurface, surface_of
-from urushi.nets.weights import Model, anisotropic_model, default_model
+from urushi.nets.weights import anisotropic_model, default_model
 from urushi.textures.store import write_texture
 
 #: Greatest number of texels per side: the words of larger textures cannot be indexed by 32 bits.
@@ -77,8 +76,6 @@ class NeuralLayered(Coated, EncodedSurface):
     UNRECORDED: ClassVar = ("_baker",)
     _differentiable = True
 
-    model: Model
-    latents: ConstantLatents | AxisLatents
     _baker: Baker | None
 
     def _load(self, props):

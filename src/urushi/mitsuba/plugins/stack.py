@@ -12,14 +12,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import (
-    ETA_RANGE,
-    LEAST_ETA_BELOW,
-    MIN_ALPHA,
-    MIN_INDEX_STEP,
-    CoatParameters,
-    Widths,
-)
+from urushi import checks
+from urushi.checks import CoatParameters, Widths
 from urushi.core import fresnel, microfacet
 from urushi.core.microfacet import of_widths
 from urushi.core.mixture import Mixture
@@ -136,7 +130,7 @@ class CoatStack:
         if alpha is None:
             alpha = self._coats[-1].alpha
         eta = index / functools.reduce(operator.mul, (coat.eta for coat in self._coats))
-        return Reflector(_width_in_range(alpha), _index_in_range(eta, LEAST_ETA_BELOW))
+        return Reflector(_width_in_range(alpha), _index_in_range(eta, checks.LEAST_ETA_BELOW))
 
     def slab_proposal(self, wi, lowest: Reflector) -> SlabMixture:
         """A proposal for both sides of a slab over its lowest interface.
@@ -168,7 +162,7 @@ class CoatStack:
         first, _ = fresnel.dielectric(cosine, facing[0].eta)
         straight = MIN_COSINE_SHARE + dr.exp(-depth / dr.maximum(cosine, 0.3))
         scale = 1 / (1.75 + straight)
-        narrow = dr.clip(dr.sqrt(spread) / dr.select(wi.z > 0, index, 1), MIN_ALPHA / 4, 1)
+        narrow = dr.clip(dr.sqrt(spread) / dr.select(wi.z > 0, index, 1), checks.MIN_ALPHA / 4, 1)
         wide = dr.minimum(4 * narrow, 1)
         passed = Mixture([scale * straight, scale, 0.75 * scale], [narrow, wide])
         mixture = _proposal(facing, channel_widths(far), 1.0, cosine)
@@ -203,13 +197,11 @@ def _proposal(coats: Sequence[CoatParameters], alphas: Sequence, albedo, cos_i) 
         diffuse += reached * (1 - passed) * spectrum.mean(coat.albedo)
         reached = reached * passed
         cos_i = cos_t
-        blur = of_widths(
-            lambda blur, alpha, eta=eta, stretch=stretch: (
-                blur + stretch * 2 * dr.square((eta - 1) * alpha)
-            ),
-            blur,
-            widths[0] if len(widths) == 1 else of_widths(spectrum.mean, coat.alpha),
+        mean = widths[0] if len(widths) == 1 else of_widths(spectrum.mean, coat.alpha)
+        more = of_widths(
+            lambda x, eta=eta, scale=stretch * 2: scale * dr.square((eta - 1) * x), mean
         )
+        blur = of_widths(operator.add, blur, more)
         stretch *= eta * eta
     for alpha in alphas:
         found.append(_width_outside(alpha, stretch, blur))
@@ -266,18 +258,20 @@ def _clipped(coat: CoatParameters) -> CoatParameters:
 
 
 def _width_in_range(alpha: Any) -> Any:
-    return of_widths(lambda alpha: dr.clip(alpha, MIN_ALPHA, 1), alpha)
+    return of_widths(lambda alpha: dr.clip(alpha, checks.MIN_ALPHA, 1), alpha)
 
 
-def _index_in_range(eta: Any, low: float = ETA_RANGE[0]) -> Any:
+def _index_in_range(eta: Any, low: float = checks.ETA_RANGE[0]) -> Any:
     """A relative index clipped to [low, 3]. A filter may cross 1, near which an index is 1."""
-    return dr.select(dr.abs(eta - 1) < MIN_INDEX_STEP, 1, dr.clip(eta, low, ETA_RANGE[1]))
+    return dr.select(
+        dr.abs(eta - 1) < checks.MIN_INDEX_STEP, 1, dr.clip(eta, low, checks.ETA_RANGE[1])
+    )
 
 
 def _width_outside(alpha, stretch, blur):
     """The width, seen from outside the stack, of a lobe of width alpha inside it."""
     return of_widths(
-        lambda alpha, blur: dr.clip(dr.sqrt(stretch * alpha * alpha + blur), MIN_ALPHA, 1),
+        lambda alpha, blur: dr.clip(dr.sqrt(stretch * alpha * alpha + blur), checks.MIN_ALPHA, 1),
         alpha,
         blur,
     )

@@ -4,7 +4,7 @@ A source has the rough reflection alone, and the shares of the light that this e
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import drjit as dr
@@ -14,14 +14,9 @@ import numpy as np
 from urushi.core.direction_sets import direction
 from urushi.core.table import node_pairs, table_of_values
 from urushi.errors import ParameterError, PlatformError
+from urushi.material import symmetry
 from urushi.material.material import Material
 from urushi.material.source import Source, as_source
-from urushi.material.symmetry import (
-    ASYMMETRY_PAIRS,
-    asymmetry_pairs,
-    is_anisotropic,
-    symmetrise,
-)
 from urushi.material.values import codes_of_values, encode_source, required_pairs
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
@@ -93,7 +88,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
         # Numbers of textures may leave the ranges of lobes that conserve energy.
         if ((bounded >= 0) & (bounded <= 1)).all() and (lobes[..., 4:6] >= 0).all():
             return Source(
-                lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
+                partial(probing.mean_values, bsdf),
                 symmetric=True,
                 tabulated=False,  # a lobe alone, a Lambertian, or `bsdf_source` knows more
                 lobe=lobes[0],
@@ -102,9 +97,9 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
             )
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return _mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))
+        return probing.mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))
 
-    wi, wo = (w[:64] for w in asymmetry_pairs())
+    wi, wo = (w[:64] for w in symmetry.asymmetry_pairs())
     noisy = probing.needed_repeats(bsdf, wi, wo, 1) > 1
     return Source(f, noisy=noisy, tabulated=not noisy)
 
@@ -122,17 +117,9 @@ def has_two_widths(bsdf: "mi.BSDF") -> bool:
         return not np.array_equal(lobes[..., 0], lobes[..., 6])
     source = reflection_source(bsdf)
     if varying_textures(bsdf) and not (source.noisy or not_over_uv(bsdf)):
-        uv = np.random.default_rng(0).random((ASYMMETRY_PAIRS, 2))
+        uv = np.random.default_rng(0).random((symmetry.ASYMMETRY_PAIRS, 2))
         source = source._replace(f=lambda wi, wo: probing.bsdf_values(bsdf, wi, wo, uv))
-    return is_anisotropic(source)
-
-
-def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
-    """f (M, C) [1/sr] as the mean of `repeats` evaluations."""
-    a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
-    time = np.repeat(np.arange(repeats, dtype=np.float32), len(wi))
-    f = probing.bsdf_values(bsdf, a, b, np.full((len(a), 2), 0.5), time)
-    return f.reshape(repeats, len(wi), -1).sum(axis=0).astype(np.float64) / repeats
+    return symmetry.is_anisotropic(source)
 
 
 def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:
@@ -205,7 +192,7 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
         opened = reflection_source(known_surface(bottom).table_source() or bottom)
         checked = opened._replace(f=lambda wi, wo: probing.check_values(opened.f(wi, wo), where))
         lobe = material.latents[:, : model.arch.lobe]
-        table = table_beside(symmetrise(checked, *node_pairs())[0], lobe)
+        table = table_beside(symmetry.symmetrise(checked, *node_pairs())[0], lobe)
         material = replace(material, table=table, beside_lobe=True)
     return material
 

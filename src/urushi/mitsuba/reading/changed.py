@@ -113,14 +113,11 @@ def relative_to(bsdf: "mi.BSDF", medium: Medium) -> "mi.BSDF":
     if name not in ("RoughConductor", "TwoSidedBRDF", "BlendBSDF", *NORMALS):
         return bsdf
 
-    def relative(si, active, index):
-        return index / medium.inside(si, active)
-
     def below(key: str, part: "mi.Object") -> "mi.Object":
         if isinstance(part, mi.BSDF):
             return relative_to(part, medium)
         if name == "RoughConductor" and key in ("eta", "k"):
-            return derived(relative, {key: part}, medium)
+            return derived(lambda si, on, x: x / medium.inside(si, on), {key: part}, medium)
         return part
 
     parts = nested_objects(bsdf)

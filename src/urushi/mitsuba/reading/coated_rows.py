@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -20,7 +19,7 @@ from urushi.mitsuba.reading.grid import within
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS
 from urushi.mitsuba.reading.rows import BottomRows, NestedRows, along_u, wavelengths_of
 from urushi.mitsuba.reading.varying import NANOMETRES, WAVELENGTH
-from urushi.mitsuba.recording import owned
+from urushi.mitsuba.tables import Interpolated
 from urushi.nets.weights import Model
 from urushi.textures.axes import LINEAR, Axis, Varying
 from urushi.textures.layering import transported_rests
@@ -108,9 +107,8 @@ class CoatedRows:
         """f (C, k, P) [1/sr] without the lobe of the coat, see `textures.point_codes.Rows`."""
         below, places, coat = self._coated(values)
         flat = CoatParameters(of_widths(np.ravel, coat.alpha), *map(np.ravel, coat[1:]))
-        return transported_rests(self._model, below, places.ravel(), flat).reshape(
-            *places.shape, -1
-        )
+        rests = transported_rests(self._model, below, places.ravel(), flat)
+        return rests.reshape(*places.shape, -1)
 
     def tables(self, values: np.ndarray, channels: np.ndarray) -> np.ndarray:
         """g (k, N) [1/sr] of channels (k,) at the nodes, see `textures.point_codes.Rows`."""
@@ -148,17 +146,10 @@ def wavelengths_varying(wavelengths: np.ndarray, changes: np.ndarray) -> Varying
     """
     places = np.append(0, np.cumsum(changes + changes.sum() / len(changes) * 0.2 + 1e-9))
     places /= places[-1]
-    table, (first, last) = owned(mi.Float, places.astype(np.float32)), wavelengths[[0, -1]].tolist()
-    count = len(changes)
+    table, (first, last) = Interpolated(places[:, None]), wavelengths[[0, -1]].tolist()
 
     def read(si, active) -> list:
-        at = [dr.clip((x - first) * (count / (last - first)), 0, count) for x in si.wavelengths]
-        found = []
-        for x in at:
-            i = dr.minimum(mi.UInt32(x), count - 1)
-            low, high = dr.gather(mi.Float, table, i), dr.gather(mi.Float, table, i + 1)
-            found.append(dr.lerp(low, high, x - i))
-        return found
+        return [table([(x - first) * (1 / (last - first))])[0] for x in si.wavelengths]
 
     return Varying(
         Axis(WAVELENGTH, LINEAR, 0.0, 1.0, own=True), read, places=np.stack([places, wavelengths])

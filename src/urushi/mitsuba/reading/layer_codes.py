@@ -4,7 +4,7 @@ Parameters that vary or carry gradients are axes. A bottom of an unknown kind th
 axes u and v, with a node for each texel. An update bakes again what has changed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import drjit as dr
@@ -186,15 +186,12 @@ class Baker:
         )
         grid = grid_of(parts, self._resolution, least)
         texels, left = [], set[str]()
-        with _progress(grid, coat.where) as bar:
-            for start in range(0, grid.texels, BLOCK):
-                uv = grid.uv(start, min(start + BLOCK, grid.texels))
-                z = probed_codes(self.model, bottom, uv, coat.where)
-                own = coat.layering(uv)
-                left |= checks.outside_training(own)
-                columns = [np.broadcast_to(x, z.shape[:2])[..., None] for x in own.columns()]
-                texels.append(np.concatenate([z, *columns], axis=-1, dtype=np.float32))
-                bar.update(len(uv))
+        for uv in _blocks(grid, coat.where):
+            z = probed_codes(self.model, bottom, uv, coat.where)
+            own = coat.layering(uv)
+            left |= checks.outside_training(own)
+            columns = [np.broadcast_to(x, z.shape[:2])[..., None] for x in own.columns()]
+            texels.append(np.concatenate([z, *columns], axis=-1, dtype=np.float32))
         checks.warn_of_training(left, f"{coat.where}:")
         whole = np.concatenate(texels)
         flat = whole.reshape(-1, whole.shape[-1])
@@ -235,13 +232,8 @@ def at_texels(latents: AxisLatents, resolution: int, where: str) -> tuple[Textur
         parts = [x for part in latents.varying for x in part.sources]
         _check_over_uv(parts, where, "a file has texels over uv")
         grid = grid_of(parts, resolution)
-    blocks = (grid.uv(i, min(i + BLOCK, grid.texels)) for i in range(0, grid.texels, BLOCK))
-    texels = []
-    with _progress(grid, where) as bar:
-        for codes in latents.at_all(blocks):
-            texels.append(codes)
-            bar.update(len(codes))
-    return Texture.of(latents.model, np.concatenate(texels)), grid
+    codes = np.concatenate([*latents.at_all(_blocks(grid, where))])
+    return Texture.of(latents.model, codes), grid
 
 
 def _check_over_uv(parts: Sequence["mi.Object"], where: str, reason: str) -> None:
@@ -250,9 +242,10 @@ def _check_over_uv(parts: Sequence["mi.Object"], where: str, reason: str) -> Non
             raise ParameterError(f"{where}: a parameter depends on {dependence}, but {reason}")
 
 
-def _progress(grid: TexelGrid, where: str) -> tqdm:
-    """A progress bar on stderr, in files too, of what takes longer than a moment."""
-    return tqdm(
+def _blocks(grid: TexelGrid, where: str) -> Iterator[np.ndarray]:
+    """The uv of texels, many at once; what takes longer than a moment has a progress bar on stderr,
+    in files too."""
+    with tqdm(
         total=grid.texels,
         desc=f"{where}: {grid.width} x {grid.height} texels are baked (a lower 'resolution' is "
         "faster)",
@@ -260,4 +253,8 @@ def _progress(grid: TexelGrid, where: str) -> tqdm:
         unit_scale=True,
         delay=PROGRESS_DELAY,
         mininterval=PROGRESS_DELAY,
-    )
+    ) as bar:
+        for start in range(0, grid.texels, BLOCK):
+            uv = grid.uv(start, start + BLOCK)
+            yield uv
+            bar.update(len(uv))

@@ -98,6 +98,13 @@ def bsdf_values(
     return np.concatenate(parts)
 
 
+def mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int = 1) -> np.ndarray:
+    """f float64 (M, C) [1/sr] in the middle of uv, as the mean of `repeats` evaluations."""
+    uv = np.full((len(wi), 2), 0.5)
+    total = sum(bsdf_values(bsdf, wi, wo, uv, float(repeat)) for repeat in range(repeats))
+    return np.asarray(total, np.float64) / repeats
+
+
 def bsdf_channels(bsdf: "mi.BSDF", si, wo: "mi.Vector3f") -> list:
     """f [1/sr] of each channel of a BSDF at a surface interaction, as Dr.Jit floats."""
     return spectrum.at_bands(si, lambda: bsdf.eval(mi.BSDFContext(), si, wo) / wo.z)

@@ -10,7 +10,6 @@ from urushi.core.appearance import LOOK, PHYSICAL
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
 from urushi.mitsuba.reading.parameters import CHECKS, CoatTextures
-from urushi.textures.store import from_texture
 
 #: Textures of indices of refraction.
 INDICES = ("int_ior", "ext_ior")
@@ -96,4 +95,4 @@ def texel_centres(texture: "mi.Texture", chosen: Sequence[int] = ()) -> np.ndarr
     if "to_uv" not in parameters:
         return x
     matrix = np.asarray(parameters["to_uv"].matrix.numpy(), np.float64).reshape(3, 3)
-    return from_texture(tuple(map(tuple, matrix[:2].tolist())), x)
+    return np.linalg.solve(matrix[:2, :2], (x - matrix[:2, 2]).T).T

@@ -18,14 +18,8 @@ from urushi.material.reflector import Reflector
 from urushi.material.substrate import Substrate, of_material
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.over_axes import AxisLatents, without_faint
-from urushi.mitsuba.reading import probing
-from urushi.mitsuba.reading.bottoms import (
-    Layer,
-    bottom_material,
-    nested_latents,
-    probed_codes,
-    probed_tables,
-)
+from urushi.mitsuba.reading import bottoms, probing
+from urushi.mitsuba.reading.bottoms import Layer
 from urushi.mitsuba.reading.changed import derived, relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.parameters import Medium
@@ -127,7 +121,7 @@ class BottomRows:
         sides = [(0.0, 0.0) if x.changes else (x.axis.least, x.axis.most) for x in self._varying]
         ends = list(product(*sides))[:16]
         columns = dict(zip(self._names, np.array(ends).T, strict=True)) if self._names else {}
-        bsdf, uv = self._of_rows(columns), along_u(len(ends))
+        bsdf, uv = self._at(columns), along_u(len(ends))
         # Its table may have colours that codes leave out.
         bsdf = known_surface(bsdf).table_source() or bsdf
         f = probing.texel_values(bsdf, *self._model.networks.pairs(), uv, probing.Averaging())
@@ -140,7 +134,7 @@ class BottomRows:
         """
         with wavelengths_of(values, count + 1):
             pairs, uv = self._model.networks.pairs(), along_u(count + 1)
-            f = probing.texel_values(self._of_rows(values), *pairs, uv, probing.Averaging())[:, 0]
+            f = probing.texel_values(self._at(values), *pairs, uv, probing.Averaging())[:, 0]
         logs = np.log(np.maximum(f, 1e-6))
         return np.abs(np.diff(logs, axis=0)).mean(axis=1)
 
@@ -149,10 +143,13 @@ class BottomRows:
         """The material of a bottom that is the same everywhere and at all wavelengths."""
         if self._varying or mi.is_spectral:
             return None
-        return bottom_material(self._model, self._layer.below, self._where)
+        return bottoms.bottom_material(self._model, self._layer.below, self._where)
 
-    def _at(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF | None":
-        """The BSDF whose varying parameters have rows (k,) of values along u, by their names."""
+    def _at(self, rows: Mapping[str, np.ndarray]) -> Any:
+        """The BSDF whose varying parameters have rows (k,) of values along u, by their names.
+
+        None if the bottom is of an unknown kind, which `of` finds.
+        """
         coat, nested = self._layer.coat, self._layer.nested
         textures, numbers = dict[int, Any](), {}
         medium: Medium = coat
@@ -189,12 +186,12 @@ class BottomRows:
         count, model, codes, tables = _count(rows), self._model, list[Any](), list[Any]()
         for start in range(0, count, BLOCK):
             some = {name: x[start : start + BLOCK] for name, x in rows.items()}
-            bsdf, uv = self._of_rows(some), along_u(_count(some))
+            bsdf, uv = self._at(some), along_u(_count(some))
             with wavelengths_of(some, len(uv)):
                 if model.widths == 2 or known_surface(bsdf).lobe_only:
-                    codes.append(probed_codes(model, bsdf, uv, self._where, bounded=True))
+                    codes.append(bottoms.probed_codes(model, bsdf, uv, self._where, bounded=True))
                 else:
-                    tables.append(probed_tables(model, bsdf, uv, self._where, channels))
+                    tables.append(bottoms.probed_tables(model, bsdf, uv, self._where, channels))
         if codes:
             found = np.moveaxis(np.concatenate(codes)[:, :channels], 1, 0)
             return different(model, found[:, which])
@@ -215,11 +212,6 @@ class BottomRows:
         found, which = np.unique(own, axis=1, return_inverse=True)
         return dict(zip(names, found, strict=True)), which.ravel()
 
-    def _of_rows(self, rows: Mapping[str, np.ndarray]) -> "mi.BSDF":
-        found = self._at(rows)
-        assert found is not None  # as `of` has found
-        return found
-
 
 def rows_of(
     model: Model, layer: Layer, varying: Sequence[Varying]
@@ -228,7 +220,7 @@ def rows_of(
 
     varying: parameters of the layer.
     """
-    nested = nested_latents(layer.below, model)
+    nested = bottoms.nested_latents(layer.below, model)
     if isinstance(nested, AxisLatents):
         return NestedRows(nested)
     # A conductor depends on the index inside the coat. That index follows from `eta`, unless the

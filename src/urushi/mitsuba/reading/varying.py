@@ -21,26 +21,16 @@ from urushi.mitsuba.reading.grid import not_over_uv, parts, varying_textures
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.ranges import INDICES, range_of, texel_centres
 from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
-from urushi.textures.axes import (
-    ALBEDO,
-    DEPTH,
-    INDEX,
-    LINEAR,
-    REFLECTANCE,
-    WIDTH,
-    Axis,
-    Changes,
-    Leader,
-    Varying,
-)
+from urushi.textures import axes
+from urushi.textures.axes import Axis, Changes, Leader, Varying
 
 #: All values of a parameter, by its scale.
 RANGES = {
-    WIDTH: (MIN_ALPHA, 1.0),
-    DEPTH: (0.0, DEEPEST),
-    REFLECTANCE: (0.0, 1.0),
-    ALBEDO: (0.0, 1.0),
-    LINEAR: (0.0, 1.0),
+    axes.WIDTH: (MIN_ALPHA, 1.0),
+    axes.DEPTH: (0.0, DEEPEST),
+    axes.REFLECTANCE: (0.0, 1.0),
+    axes.ALBEDO: (0.0, 1.0),
+    axes.LINEAR: (0.0, 1.0),
 }
 
 #: Name of the axis of the index inside a coat relative to air.
@@ -49,14 +39,14 @@ INSIDE = "inside"
 #: Scales of a coat's parameters, and the textures on which each depends; those of an appearance
 #: depend on g, too.
 COAT: dict[str, tuple[str, tuple[str, ...]]] = {
-    "alpha": (WIDTH, ("alpha",)),
-    "alpha_u": (WIDTH, ("alpha_u",)),
-    "alpha_v": (WIDTH, ("alpha_v",)),
-    "eta": (INDEX, INDICES),
-    "albedo": (ALBEDO, ("albedo", *LOOK)),
-    "sigma_t": (DEPTH, ("sigma_t", *LOOK, "thickness")),
-    "g": (LINEAR, ("g",)),
-    INSIDE: (LINEAR, ("int_ior",)),
+    "alpha": (axes.WIDTH, ("alpha",)),
+    "alpha_u": (axes.WIDTH, ("alpha_u",)),
+    "alpha_v": (axes.WIDTH, ("alpha_v",)),
+    "eta": (axes.INDEX, INDICES),
+    "albedo": (axes.ALBEDO, ("albedo", *LOOK)),
+    "sigma_t": (axes.DEPTH, ("sigma_t", *LOOK, "thickness")),
+    "g": (axes.LINEAR, ("g",)),
+    INSIDE: (axes.LINEAR, ("int_ior",)),
 }
 
 #: Range of g in which light transport is accurate, and relative indices on both sides of one.
@@ -64,12 +54,12 @@ ASYMMETRIES, ABOVE, BELOW = (-0.95, 0.95), (1 + 2 * MIN_INDEX_STEP, 3.0), (0.4, 
 
 #: Changes of constants by which slopes are found: a share of the value, and a number.
 CHANGES = {
-    WIDTH: (0.05, 0.0),
-    DEPTH: (0.05, 0.02),
-    REFLECTANCE: (0.04, 0.0005),
-    ALBEDO: (0.0, 0.01),
-    LINEAR: (0.0, 0.02),
-    INDEX: (0.0, 0.005),
+    axes.WIDTH: (0.05, 0.0),
+    axes.DEPTH: (0.05, 0.02),
+    axes.REFLECTANCE: (0.04, 0.0005),
+    axes.ALBEDO: (0.0, 0.01),
+    axes.LINEAR: (0.0, 0.02),
+    axes.INDEX: (0.0, 0.005),
 }
 
 #: Largest change of one of two widths that carries a gradient, until codes are baked again.
@@ -155,8 +145,9 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
             continue
         last = name.rpartition(".")[2]
         coloured = "reflectance" in last or "color" in last or last in ("eta", "k")
-        bright = coloured or last == "base_weight"
-        scale = WIDTH if last.startswith("alpha") else REFLECTANCE if bright else LINEAR
+        scale = axes.WIDTH if last.startswith("alpha") else axes.LINEAR
+        if coloured or last == "base_weight":
+            scale = axes.REFLECTANCE
         whole = (0.0, np.inf) if last in ("eta", "k") else RANGES[scale]
         if last in TWO_WIDTHS:
             whole = _one_of_two(textures, name)
@@ -165,7 +156,7 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
             return [*texture.eval(si, active)] if coloured else [texture.eval_1(si, active)]
 
         ends = range_of(read, [texture], whole, True)
-        check = finite_number if scale == LINEAR else nonnegative
+        check = finite_number if scale == axes.LINEAR else nonnegative
         check(ends, f"{where}: a texel of the nested BSDF's {name}", any_shape=True)
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
         found += parameter_along(axis, whole if gradient else None, read, [texture], texture)
@@ -183,8 +174,8 @@ def _numbers_of_bottom(bottom: "mi.BSDF") -> list[Varying]:
         def read(si, active, owner=owner, last=last) -> list:
             return [mi.Float(mi.traverse(owner)[last])]
 
-        scale, now = WIDTH if last == "alpha" else LINEAR, float(np.ravel(value)[0])
-        whole = RANGES[WIDTH] if scale == WIDTH else (0.0, np.inf)
+        scale, now = axes.WIDTH if last == "alpha" else axes.LINEAR, float(np.ravel(value)[0])
+        whole = RANGES[axes.WIDTH] if scale == axes.WIDTH else (0.0, np.inf)
         found += parameter_along(Axis(BOTTOM + key, scale, now, now), whole, read, [])
     return found
 
@@ -200,7 +191,7 @@ def parameter_along(
 
     whole: all the values that it may take, if it carries gradients.
     """
-    if axis.scale == WIDTH:  # smaller widths than the least are that one
+    if axis.scale == axes.WIDTH:  # smaller widths than the least are that one
         least, most = max(axis.least, MIN_ALPHA), max(axis.most, MIN_ALPHA)
         axis = axis._replace(least=least, most=most)
     if whole is None:

@@ -10,22 +10,15 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.mitsuba.properties import check_names, describe, path_of, switch_of
 from urushi.openpbr_surface.inputs import OPTIONS, Inputs
+from urushi.openpbr_surface.materialx import surface
 from urushi.openpbr_surface.materialx.baking import Texture
-from urushi.openpbr_surface.materialx.surface import (
-    RESOLUTION,
-    RESOLUTIONS,
-    Mix,
-    ParameterValue,
-    Surface,
-    read_surface,
-)
 from urushi.openpbr_surface.parameters import EMISSION, PARAMETERS
 
 
 def load_materialx(
     path: str | os.PathLike,
     name: str | None = None,
-    resolution: int = RESOLUTION,
+    resolution: int = surface.RESOLUTION,
     uv_plane: bool = False,
 ) -> dict[str, Any]:
     """Read a material of a MaterialX document.
@@ -54,11 +47,11 @@ def load_materialx(
             parameter is out of its range.
         PlatformError: the package materialx is needed and missing.
     """
-    return description(read_surface(path, name, resolution, uv_plane))
+    return description(surface.read_surface(path, name, resolution, uv_plane))
 
 
 def description(
-    found: Surface | Mix,
+    found: surface.Surface | surface.Mix,
     extra: Mapping[str, Any] = {},
     where: str = "",
     stored: Callable[[str, np.ndarray], dict[str, Any]] | None = None,
@@ -68,7 +61,7 @@ def description(
     extra: further properties of each `openpbr`. where: begins its errors, before the document.
     stored: as of `mitsuba_value`.
     """
-    if isinstance(found, Mix):
+    if isinstance(found, surface.Mix):
         parts = {"bsdf_0": found.bg, "bsdf_1": found.fg}
         made = {name: description(part, extra, where, stored) for name, part in parts.items()}
         return {"type": "blendbsdf", "weight": mitsuba_value("mix", found.weight, stored), **made}
@@ -77,12 +70,12 @@ def description(
     return {"type": "openpbr", **values, **extra, **origin}
 
 
-def check_supported(found: Surface | Mix, *, alone: bool = True) -> None:
+def check_supported(found: surface.Surface | surface.Mix, *, alone: bool = True) -> None:
     """Refuse a material that the plugin `openpbr` cannot render.
 
     alone: whether its shape has its emission and its medium; mixtures have neither.
     """
-    if isinstance(found, Mix):
+    if isinstance(found, surface.Mix):
         check_supported(found.bg, alone=False)
         check_supported(found.fg, alone=False)
         return
@@ -96,7 +89,7 @@ def check_supported(found: Surface | Mix, *, alone: bool = True) -> None:
 
 def mitsuba_value(
     name: str,
-    value: ParameterValue,
+    value: surface.ParameterValue,
     stored: Callable[[str, np.ndarray], dict[str, Any]] | None = None,
 ) -> Any:
     """A parameter's value as `mi.load_dict` takes it.
@@ -162,10 +155,10 @@ def materialx(props):
     if "filename" not in props:
         raise ParameterError(f"{where} has no filename; give a MaterialX document")
     path, name = path_of(props, "filename"), props.get("material", None)
-    resolution = RESOLUTIONS(props.get("bake", RESOLUTION), f"{where}: bake")
+    resolution = surface.RESOLUTIONS(props.get("bake", surface.RESOLUTION), f"{where}: bake")
     plane = switch_of(props, "uv_plane")
     extra = {key: props[key] for key in list(props.keys()) if key not in own}
-    bsdf = description(read_surface(path, name, int(resolution), plane), extra, where)
+    bsdf = description(surface.read_surface(path, name, int(resolution), plane), extra, where)
     if props.id():
         bsdf["id"] = props.id()
     return mi.load_dict(bsdf)
