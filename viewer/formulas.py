@@ -40,12 +40,11 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import Glsl
-from urushi.export.lobe import lobe_f
+from urushi.export.lobe import lobe_f, passed
+from urushi.export.lobe import transmittance as transmittance_function
 from urushi.export.printer import PRIMARY, Printer, broken
 from urushi.export.program import TABLE
 from urushi.export.statements import Function, Variable, element, integer, namespace
-from urushi.export.transmittance import function as transmittance_function
-from urushi.export.transmittance import passed
 from urushi.nets import features, lobe, proposal, transmittance
 
 FILE = Path(__file__).parent / "src/core/formulas.ts"
@@ -274,14 +273,18 @@ def _both_and_apart(wi: Components, wo: Components) -> tuple[Components, Compone
 def _of_networks() -> list[Function]:
     """The inputs of networks of two GGX widths, whose first are those of networks of one."""
 
+    def normalised(how: features.Normalisation, columns: Any) -> list[Any]:
+        pairs = zip(columns, how.constants, strict=True)
+        return [(column - mean) * factor for column, (mean, factor) in pairs]
+
     def coat(alpha_u: Any, alpha_v: Any, *medium: Any) -> Any:
         columns = features.coat_columns(Widths(alpha_u, alpha_v), *medium)
-        return features.COATS[2].each(columns)
+        return normalised(features.COATS[2], columns)
 
     def lobe_columns(alpha_u: Any, alpha_v: Any, *values: Any) -> Any:
         *reflectances, xp = values
         columns = lobe.feature_columns([alpha_u, alpha_v], tuple(reflectances), xp)
-        return lobe.FEATURES[2].each(columns)
+        return normalised(lobe.FEATURES[2], columns)
 
     medium = floats("eta", "albedo", "sigma_t", "g")
     return [

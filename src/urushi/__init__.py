@@ -5,6 +5,7 @@ Importing this package chooses a libLLVM that Dr.Jit can use and registers the M
 else is loaded when it is first used.
 """
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
 from urushi import platform
@@ -46,6 +47,11 @@ __all__ = [
     "slab",
 ]
 
+#: Where the public names are found.
+_MODULES = (
+    *("app.notebook", "material", "measured", "openpbr_surface.description"),
+    *("openpbr_surface.plugins.materialx", "walk"),
+)
 
 if not TYPE_CHECKING:  # to a type checker, a module with __getattr__ has every name
 
@@ -54,18 +60,10 @@ if not TYPE_CHECKING:  # to a type checker, a module with __getattr__ has every 
         if name not in __all__:
             raise AttributeError(f"module 'urushi' has no attribute '{name}'")
         platform.require_drjit()
-        from urushi.app.notebook import show
-        from urushi.material import Material, encode, layer, lerp, load
-        from urushi.measured import load_measured, pigment
-        from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
-        from urushi.openpbr_surface.plugins.materialx import load_materialx
-        from urushi.walk import Stack, coat, conductor, dielectric, diffuse, simulate, slab
-
-        Material._repr_png_ = _picture  # type: ignore[attr-defined]
-        public = (Material, encode, layer, lerp, load, load_measured, pigment, simulate)
-        described = (Stack, coat, conductor, dielectric, diffuse, slab)
-        documents = (load_materialx, save_materialx, OpenPBR, openpbr, show)
-        globals().update({value.__name__: value for value in (*public, *described, *documents)})
+        for place in _MODULES:
+            found = vars(importlib.import_module(f"urushi.{place}"))
+            globals().update({label: found[label] for label in __all__ if label in found})
+        globals()["Material"]._repr_png_ = _picture
         return globals()[name]
 
 

@@ -1,7 +1,6 @@
 """Checks of ranges and shapes at every entry point; errors state the cure."""
 
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -47,10 +46,6 @@ class Widths:
 
     u: Any  # along the tangent (the x axis)
     v: Any  # across it (the y axis)
-
-    def map(self, function: Callable[[Any], Any]) -> "Widths":
-        """`function` of each width."""
-        return Widths(function(self.u), function(self.v))
 
 
 class CoatParameters(NamedTuple):

@@ -32,8 +32,10 @@ def fill_blocks(
     function: Callable[..., np.ndarray],
     *arrays: np.ndarray,
     rows: int | None = None,
-) -> None:
+) -> np.ndarray:
     """Write function(*arrays) to out (..., K), one block of the leading dimensions at a time.
+
+    Returns `out`.
 
     Args:
         out: the result.
@@ -48,7 +50,7 @@ def fill_blocks(
     """
     if math.prod(out.shape[:-1]) <= (rows or ROWS):
         out[...] = function(*arrays)
-        return
+        return out
 
     def task(block: Block) -> None:
         parts = []
@@ -58,6 +60,7 @@ def fill_blocks(
         out[block] = function(*parts)
 
     run_all_cores(task, blocks(out.shape[:-1], rows or ROWS))
+    return out
 
 
 def blocks(shape: tuple[int, ...], rows: int) -> list[Block]:

@@ -14,8 +14,8 @@ from gallery.globe import globe
 from gallery.options import Options
 from tests.untrained import untrained
 
-from urushi.app import cli, passes
-from urushi.app.render import DEMO_SCENE, load_scene
+from urushi.app import cli
+from urushi.app.render import DEMO_SCENE, Render, load_scene
 from urushi.nets import weights
 
 SENSOR = """<sensor type="orthographic">
@@ -87,7 +87,7 @@ def test_a_picture_is_the_mean_of_independent_passes(tmp_path, monkeypatch, caps
     """The same for a seed but for rounding, and of 16 passes a quarter of the noise of one."""
     path = tmp_path / "plate.xml"
     path.write_text(PLATE)
-    monkeypatch.setattr(passes, "RAYS", 4 * 32 * 32)
+    monkeypatch.setattr(Render, "RAYS", 4 * 32 * 32)
 
     def picture(spp, seed):
         flags = ["--spp", str(spp), "--seed", str(seed), "--width", "32", "--height", "32"]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from urushi.checks import Widths
+from urushi.core.microfacet import of_widths
 from urushi.walk import interface
 
 COUNT = 200_000
@@ -36,9 +37,7 @@ def memory(jit, alpha, eta: float, theta: float, suffix: str = "") -> tuple:
     number, vector = (getattr(jit, name + suffix) for name in ("Float", "Array3f"))
     sin = math.sin(theta)
     wi = vector(*(dr.opaque(number, x) for x in (sin * 0.6, sin * 0.8, math.cos(theta))))
-    widths = alpha if isinstance(alpha, Widths) else Widths(alpha, alpha)
-    widths = widths.map(lambda x: dr.opaque(number, x))
-    return wi, widths if isinstance(alpha, Widths) else widths.u, dr.opaque(number, eta)
+    return wi, of_widths(lambda x: dr.opaque(number, x), alpha), dr.opaque(number, eta)
 
 
 def uniform(jit, count: int):

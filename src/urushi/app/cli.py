@@ -5,7 +5,7 @@ import operator
 import os
 import sys
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import tyro
@@ -126,25 +126,23 @@ def _run(arguments: Sequence[str], commands: Commands, prog: str, description: s
         return 0
     command = parse(arguments, commands, prog, description)
     ranges.check(command)
+    as_python: Any = warnings.showwarning
+
+    def show(message: Any, category: type, *place: Any, **names: Any) -> None:
+        """Print a warning of Urushi as one sentence, above a progress bar; others as Python."""
+        if issubclass(category, UrushiWarning):
+            tqdm.write(f"urushi: {message}", file=sys.stderr)
+        else:
+            as_python(message, category, *place, **names)
+
     with warnings.catch_warnings():
         warnings.simplefilter("default", UrushiWarning)
-        warnings.showwarning = functools.partial(_show, warnings.showwarning)
+        warnings.showwarning = show
         try:
             return command.run()
         except (RuntimeError, SystemError) as error:  # C++ wraps interrupts, also within imports
             raise_interrupt(error)
             raise
-
-
-def _show(others: Callable[..., None], message: Any, category: type, *place: Any) -> None:
-    """Print a warning of Urushi as one sentence, above a progress bar, and others as Python does.
-
-    others: shows these, with the place in a file that `warnings.showwarning` takes.
-    """
-    if issubclass(category, UrushiWarning):
-        tqdm.write(f"urushi: {message}", file=sys.stderr)
-    else:
-        others(message, category, *place)
 
 
 if __name__ == "__main__":

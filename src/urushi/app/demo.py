@@ -10,8 +10,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import tyro
 
-from urushi.app.passes import passes
-from urushi.app.render import copy_demo_scene, load_scene, set_variant
+from urushi.app.render import copy_demo_scene, load_scene, passes, set_variant
 from urushi.core import error_metrics as metrics
 from urushi.core.error_metrics import srgb
 from urushi.files import atomic_write, new_folder

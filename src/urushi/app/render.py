@@ -1,17 +1,20 @@
-"""`urushi render` and `urushi scene`: scene files with Urushi's plugins, and the demo's scene."""
+"""`urushi render` and `urushi scene`: scene files with Urushi's plugins, and the demo's scene.
+
+Pictures are rendered in passes: progress is shown, memory is bounded, and an interrupt is heard.
+"""
 
 import re
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import tyro
+from tqdm import tqdm
 
 from urushi import platform
-from urushi.app.passes import RAYS, rendered
 from urushi.errors import FileError, ParameterError, PlatformError
 from urushi.files import atomic_write, new_folder
 from urushi.ranges import Index, Pixels, Samples, Seed, Threads
@@ -24,6 +27,10 @@ NO_PLUGIN_CURE = (
     r"neither Mitsuba nor Urushi has a plugin '\1'; if it belongs to another package, render by "
     "that package's command, or import it in Python before you load the scene"
 )
+
+#: Camera rays of a pass, at most. Recording a pass takes up to half a second, so that fewer cost
+#: time.
+RAYS = 1 << 22
 
 #: The scene of `urushi demo`, which `python -m gallery caddy` makes.
 DEMO_SCENE = Path(__file__).parent / "caddy" / "scene.xml"
@@ -131,6 +138,41 @@ class Render:
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
         finally:
             dr.set_thread_count(before)
+
+
+def passes(
+    scene: Any, spp: int, seed: int, step: int, *, sensor: int = 0, title: str | None = None
+) -> Iterator[tuple[np.ndarray, int]]:
+    """Render a scene in passes of `step` samples per pixel; yields pictures and their samples.
+
+    Each pass has a seed of its own, which depends only on `seed` and its number. The last one has
+    the samples that remain of `spp`. title: of the progress bar, which only a terminal shows.
+
+    Yields:
+        float64 (H, W, C), and the number of its samples per pixel.
+    """
+    import mitsuba as mi
+
+    with tqdm(total=spp, desc=title, unit=" spp", disable=None) as progress:
+        for index, first in enumerate(range(0, spp, step)):
+            samples = min(step, spp - first)
+            own = int(np.random.SeedSequence(seed, spawn_key=(index,)).generate_state(1)[0])
+            picture = mi.render(scene, sensor=sensor, spp=samples, seed=own)
+            yield np.array(picture, np.float64), samples
+            progress.update(samples)
+
+
+def rendered(scene: Any, sensor: int, spp: int, seed: int, rays: int = RAYS) -> np.ndarray:
+    """The picture (H, W, C) of `spp` samples per pixel, the mean over its passes.
+
+    It depends only on the arguments. rays: of the camera in a pass, at most.
+    """
+    width, height = scene.sensors()[sensor].film().crop_size()
+    step = 1  # a power of four, which no sampler of Mitsuba rounds
+    while 4 * step * width * height <= rays:
+        step *= 4
+    parts = passes(scene, spp, seed, step, sensor=sensor)
+    return sum((picture * samples for picture, samples in parts), start=np.zeros(())) / spp
 
 
 def load_scene(

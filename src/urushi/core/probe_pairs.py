@@ -88,12 +88,9 @@ def probe_pairs(n: int = PROBES, widths: int = 1) -> tuple[np.ndarray, np.ndarra
         parts = _half_angle_pairs(first), _hemisphere_pairs(n - first)
     else:
         parts = _slope_pairs(first), _turned_hemisphere_pairs(n - first)
-    pairs = []
-    for side in (0, 1):
-        directions = np.concatenate([part[side] for part in parts]).astype(np.float32)
-        directions.flags.writeable = False
-        pairs.append(directions)
-    return pairs[0], pairs[1]
+    wi, wo = (np.concatenate(sides).astype(np.float32) for sides in zip(*parts, strict=True))
+    wi.flags.writeable = wo.flags.writeable = False
+    return wi, wo
 
 
 def pair_measure(count: int) -> np.ndarray:

@@ -110,17 +110,9 @@ class Expression:
         """A number of a vector, a colour or a texel."""
         return Expression("component", FLOAT, (self,), place)
 
-    @property
-    def x(self) -> "Expression":
-        return self.component(0)
-
-    @property
-    def y(self) -> "Expression":
-        return self.component(1)
-
-    @property
-    def z(self) -> "Expression":
-        return self.component(2)
+    x = property(lambda self: self.component(0))
+    y = property(lambda self: self.component(1))
+    z = property(lambda self: self.component(2))
 
     @property
     def colour(self) -> "Expression":

@@ -194,10 +194,5 @@ class Python(Printer):
 
 #: The printers by the names of their languages.
 LANGUAGES: dict[str, type[Printer]] = {
-    "glsl": Glsl,
-    "wgsl": Wgsl,
-    "hlsl": Hlsl,
-    "slang": Slang,
-    "osl": Osl,
-    "python": Python,
+    printer.__name__.lower(): printer for printer in (Glsl, Wgsl, Hlsl, Slang, Osl, Python)
 }

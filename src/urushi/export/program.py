@@ -7,7 +7,8 @@ import numpy as np
 
 from urushi.core.stretched import FACTORS
 from urushi.errors import ParameterError
-from urushi.export import proposal, transmittance
+from urushi.export import lobe as lobes
+from urushi.export import proposal
 from urushi.export.expressions import (
     COLOUR,
     FLOAT,
@@ -23,7 +24,7 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import LANGUAGES
-from urushi.export.lobe import FIELDS, X_AXIS, Tangent, alphas_of, lobe_f
+from urushi.export.lobe import X_AXIS, Tangent, passed, texels_have_edges
 from urushi.export.printer import Printer
 from urushi.export.proposal import SAMPLE, WI, WO, Terms, U
 from urushi.export.rest import Rest, TextureForm, rest_f, texture_shape
@@ -37,7 +38,6 @@ from urushi.export.statements import (
     fetch_functions,
     member,
 )
-from urushi.export.transmittance import passed, texels_have_edges
 from urushi.nets.proposal import TERMS
 from urushi.nets.transmittance import has_edges
 from urushi.nets.weights import Model
@@ -113,13 +113,13 @@ def material_text(
             "exported"
         )
     terms = proposal.terms_of(model, [expression(float(x)) for x in latents.mean(axis=0)])
-    lobes = latents[:, : model.arch.lobe]
+    own = latents[:, : model.arch.lobe]
     code = _Code(
-        [colour(column) for column in lobes.T] if has_lobe else (),
+        [colour(column) for column in own.T] if has_lobe else (),
         Rest(1 if model.widths == 1 else 1 + FACTORS, terms.stretch) if has_rest else None,
         terms,
         Tangent.of(rotation),
-        bool(has_edges(np.vstack([lobes, lobes.mean(axis=0)])).any()),
+        bool(has_edges(np.vstack([own, own.mean(axis=0)])).any()),
     )
     note = [
         f"A material of Urushi as code, of the weights {model.fingerprint}.",
@@ -183,7 +183,7 @@ def template_text(language: str, model: Model) -> str:
     else:
         prepared = made.declare("prepared", MATERIAL)
         made.assign(prepared, prepare(codes))
-        for variable in FIELDS:
+        for variable in lobes.FIELDS:
             made.assign(member(prepared, variable), name(f"code_{variable.name}", FLOAT))
         made.returns(prepared)
     note = (
@@ -240,7 +240,7 @@ def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> l
     arguments = (*given, WI, WO, TABLE) if code.rest else (*given, WI, WO)
     f = Function("f", arguments, COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
     wi, wo = inside(f)
-    value = lobe_f(f, code.lobe, wi, wo) if code.lobe else expression(0.0)
+    value = lobes.lobe_f(f, code.lobe, wi, wo) if code.lobe else expression(0.0)
     if code.rest:
         rest = rest_f(f, code.rest, form, TABLE.value, wi, wo)
         if code.has_edges and code.lobe:
@@ -253,7 +253,7 @@ def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> l
     made = Function("proposal", (*given, WI), "Proposal", "The proposal for wi.")
     seen = passed(made, code.terms.lobe, WI.value) if code.has_edges else 1.0
     made.returns(proposal.fill(made, code.terms, WI.value, seen))
-    sampling = _, density_of, _, draw = proposal.functions(len(alphas_of(code.terms.lobe)))
+    sampling = _, density_of, _, draw = proposal.functions(len(lobes.alphas_of(code.terms.lobe)))
     note = "The density [1/sr] of `sample` at wo."
     pdf = Function("pdf", (*given, WI, WO), FLOAT, note, public=True)
     wi, wo = inside(pdf)
@@ -272,7 +272,7 @@ def _functions(code: _Code, given: tuple[Variable, ...], form: TextureForm) -> l
     sample.assign(direction, select(wi.z > 0.0, outside, up))
     sample.assign(its_density, select(wi.z > 0.0, density, 0.0))
     sample.returns(result)
-    called = [transmittance.function()] if code.has_edges else []
+    called = [lobes.transmittance()] if code.has_edges else []
     return [*called, f, made, *sampling, pdf, sample]
 
 
@@ -299,7 +299,7 @@ def _codes_program(model: Model, form: TextureForm, texels: Texels | None = None
             Variable("codes", COLOUR, arch.latent, "the lobe, and factors of the basis"),
             Variable("mean_lobe", FLOAT, arch.lobe, "that directions are drawn by"),
             Variable("terms", FLOAT, TERMS, "of the energies of the proposal's lobes"),
-            *((STRETCH, *FIELDS) if arch.widths == 2 else ()),
+            *((STRETCH, *lobes.FIELDS) if arch.widths == 2 else ()),
         ),
         "A material. `prepare` makes it.",
     )

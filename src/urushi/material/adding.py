@@ -353,10 +353,7 @@ def enclosed(up: np.ndarray, interface: np.ndarray, weights: np.ndarray) -> np.n
 
 
 def seen_inside(
-    bottom: np.ndarray,
-    interface: np.ndarray,
-    layers: Iterable[Sequence[float]],
-    edges: Edges = (),
+    bottom: np.ndarray, interface: np.ndarray, layers: Iterable[Sequence[float]], edges: Edges = ()
 ) -> tuple[np.ndarray, float]:
     """BRDF of a bottom and media below an interface that reflects from below.
 

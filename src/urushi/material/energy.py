@@ -91,8 +91,7 @@ def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
         return rule.albedo(model.networks.rest_at_all(codes, functions))
 
     result = np.empty((len(z), len(rule.directions)), np.float32)
-    fill_blocks(result, measure, z, rows=BLOCK)
-    return result
+    return fill_blocks(result, measure, z, rows=BLOCK)
 
 
 def code_albedos(model: Model, z: np.ndarray) -> np.ndarray:
@@ -210,17 +209,15 @@ def limit_albedo(
         float32 (..., L); the same bits where a code is not above its ceiling.
     """
     rows, ceiling = _rows(model, z, ceiling)
-    over, unchanged = np.arange(len(rows)), True
+    rows, over = np.array(rows), np.arange(len(rows))
+    gains = model.networks.gains(rows)
     for _ in range(1 + ROUNDS):
         if not len(over):
             break
         factors = 1 / excesses(model, rows[over], ceiling[over])
-        if (factors < 1).any():
-            rows, unchanged = rows if not unchanged else np.array(rows), False
-            gains = model.networks.gains(rows)
-            gains[over[factors < 1]] += np.log(factors[factors < 1])
+        gains[over[factors < 1]] += np.log(factors[factors < 1])
         over = over[factors < NO_FACTOR]
-    return z if unchanged else rows.reshape(z.shape)
+    return rows.reshape(z.shape)
 
 
 def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:

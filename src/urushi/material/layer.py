@@ -314,11 +314,11 @@ def predicted(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
     check_ratios(model, z, coat)
     columns = [np.atleast_1d(p).astype(np.float32) for p in within_training(coat).columns()]
     count = np.broadcast_shapes(z.shape[:1], *(p.shape for p in columns))
-    coated = np.empty((*count, z.shape[1]), np.float32)
-    fill_blocks(
-        coated, lambda z, *p: model.networks.layer(z, CoatParameters.of_columns(p)), z, *columns
-    )
-    return coated
+
+    def layered(z: np.ndarray, *columns: np.ndarray) -> np.ndarray:
+        return model.networks.layer(z, CoatParameters.of_columns(columns))
+
+    return fill_blocks(np.empty((*count, z.shape[1]), np.float32), layered, z, *columns)
 
 
 def within_training(coat: CoatParameters) -> CoatParameters:

@@ -138,11 +138,10 @@ class Material:
 
     def _filled(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         f = np.empty((len(wi), self.channels), np.float32)
-        if self.table is None:
-            fill_blocks(f[..., None], self._f, self.latents[None], wi[:, None], wo[:, None])
-        else:
-            fill_blocks(f, self._tabulated, wi, wo)
-        return f
+        if self.table is not None:
+            return fill_blocks(f, self._tabulated, wi, wo)
+        each = self.latents[None], wi[:, None], wo[:, None]
+        return fill_blocks(f[..., None], self._f, *each)[..., 0]
 
     def _f(self, z: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         f = self.model.networks.f(z, wi, wo)
@@ -166,12 +165,11 @@ class Material:
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
         wi, wo = map(self._inside, checks.directions(wi, wo))
-        pdf = np.empty(len(wi), np.float32)
-        fill_blocks(pdf[:, None], self._pdf, wi, wo)
-        return pdf
 
-    def _pdf(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return self._proposal(wi).pdf(components(wi), components(wo), NUMPY)[:, None]
+        def density(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+            return self._proposal(wi).pdf(components(wi), components(wo), NUMPY)[:, None]
+
+        return fill_blocks(np.empty((len(wi), 1), np.float32), density, wi, wo)[:, 0]
 
     def sample(self, wi: npt.ArrayLike, u: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Draw directions wo with a density approximately proportional to f times wo's cosine.
@@ -188,8 +186,7 @@ class Material:
         """
         wi = self._inside(checks.direction(wi, "wi"))
         u = checks.uniform(u, len(wi))
-        rows = np.empty((len(wi), 4), np.float32)
-        fill_blocks(rows, self._sample, wi, u)
+        rows = fill_blocks(np.empty((len(wi), 4), np.float32), self._sample, wi, u)
         wo = rows[:, :3] if self.rotation == 0 else rotated(rows[:, :3], self.rotation / 360.0)
         return np.ascontiguousarray(wo), np.ascontiguousarray(rows[:, 3])
 

@@ -35,11 +35,7 @@ def model_for(source: Any, weights: Weights | None = None) -> Model:
 
 
 def encode_source(
-    source: Any,
-    model: Model,
-    *,
-    table: bool | None = None,
-    name: str | None = None,
+    source: Any, model: Model, *, table: bool | None = None, name: str | None = None
 ) -> tuple[Material, Deviations]:
     """`encode` without its warnings.
 

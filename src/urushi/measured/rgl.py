@@ -76,10 +76,6 @@ class Rgl(MeasuredSurface):
         isotropic: whether f depends on the difference of the azimuths alone.
     """
 
-    description: str
-    wavelengths: np.ndarray | None
-    isotropic: bool
-
     def __init__(self, tensors: dict[str, np.ndarray]) -> None:
         """Make a BRDF of a file's tensors by name.
 
@@ -107,9 +103,10 @@ class Rgl(MeasuredSurface):
         self._vndf = Warp(_joined(np.maximum(tensors["vndf"][used], 0)))
         self._measured = _joined(np.moveaxis(measured[used], 2, -1))
         self._jacobian = bool(tensors["jacobian"][0])
-        self._rgb, self.wavelengths = self._measured, None
-        if SPECTRA in tensors:
-            self.wavelengths = tensors["wavelengths"].astype(np.float64)
+        spectral = SPECTRA in tensors
+        self.wavelengths = tensors["wavelengths"].astype(np.float64) if spectral else None
+        self._rgb = self._measured
+        if self.wavelengths is not None:
             self._rgb = self._measured @ srgb_weights(self.wavelengths)
 
     def _lookup(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -95,8 +95,8 @@ class Basis:
         wi, wo = np.broadcast_arrays(wi, wo)
         result = np.empty((wi[..., 0].size, self.size + 1), np.float32)
         at = functools.partial(self._at, float(np.exp(2 * log_stretch)))
-        fill_blocks(result, at, wi.reshape(-1, 3), wo.reshape(-1, 3))
-        return result.reshape(*wi.shape[:-1], self.size + 1)
+        rows = fill_blocks(result, at, wi.reshape(-1, 3), wo.reshape(-1, 3))
+        return rows.reshape(*wi.shape[:-1], self.size + 1)
 
     def _at(self, stretch2: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         both, apart = (Components(*w.T.astype(np.float64)) for w in (wi + wo, wi - wo))

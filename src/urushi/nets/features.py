@@ -22,11 +22,6 @@ class Normalisation:
         means, factors = np.array(self.constants, features.real.dtype).T  # the columns' precision
         return (features - means) * factors
 
-    def each(self, columns: Sequence[Any]) -> list[Any]:
-        """Columns of any kind, normalised in the same way, as a list."""
-        pairs = zip(columns, self.constants, strict=True)
-        return [(column - mean) * factor for column, (mean, factor) in pairs]
-
 
 #: Features of a coat: formula, mean, scale. Of its interface, whose index may be above or below
 #: one, with s = (eta - 1) / (eta + 1); and of its medium, with m = 1 - exp(-sigma_t). All terms

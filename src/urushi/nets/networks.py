@@ -121,15 +121,13 @@ class Networks(NamedTuple):
             rest = transmittance.remainder(f, lobe[..., None, :], *self.pairs())
             return self._encode_rest(rest, lobe)
 
-        fill_blocks(codes, fill, values, *own)
-        return codes
+        return fill_blocks(codes, fill, values, *own)
 
     def encode_rest(self, rest: np.ndarray, lobe: np.ndarray) -> np.ndarray:
         """Codes float32 (..., L) beside lobes (..., N) of rests (..., P): g at the probe pairs."""
         codes = np.empty((*rest.shape[:-1], self.arch.latent), np.float32)
         lobe = np.broadcast_to(lobe, (*codes.shape[:-1], self.arch.lobe))
-        fill_blocks(codes, self._encode_rest, rest, lobe)
-        return codes
+        return fill_blocks(codes, self._encode_rest, rest, lobe)
 
     def _encode_rest(self, rest: np.ndarray, lobe: np.ndarray) -> np.ndarray:
         passed, stretch = transmittance.both_ways(lobe[..., None, :], *self.pairs()), None

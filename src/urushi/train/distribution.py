@@ -109,15 +109,11 @@ class Extended:
     indices: str = "common"  # eta of coats and of "dielectric" bottoms, a key of `DRAW_ETA`
 
     def __post_init__(self) -> None:
-        for name, known in (
-            ("coats", range(MAX_COATS + 1)),
-            ("bottom", BOTTOMS),
-            ("indices", DRAW_ETA),
-        ):
-            if getattr(self, name) not in known:
-                raise ParameterError(
-                    f"{name} is {getattr(self, name)!r}; choose one of {', '.join(map(str, known))}"
-                )
+        choices = {"coats": range(MAX_COATS + 1), "bottom": BOTTOMS, "indices": DRAW_ETA}
+        for name, known in choices.items():
+            if (value := getattr(self, name)) not in known:
+                names = ", ".join(map(str, known))
+                raise ParameterError(f"{name} is {value!r}; choose one of {names}")
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
         """Draw n stacks."""

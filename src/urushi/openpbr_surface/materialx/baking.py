@@ -7,12 +7,7 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import FileError
-from urushi.openpbr_surface.materialx.evaluation import (
-    CORNERS,
-    PROBES,
-    Evaluation,
-    NeedsPosition,
-)
+from urushi.openpbr_surface.materialx.evaluation import CORNERS, PROBES, Evaluation, NeedsPosition
 from urushi.openpbr_surface.materialx.graph import Graph
 
 #: Bytes that the values of all nodes may take at once.

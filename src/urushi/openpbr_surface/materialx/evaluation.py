@@ -25,14 +25,10 @@ CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 MAX_NODES = 2048
 
 #: Directions of the surface, by the names of nodes and of geometric properties.
-_DIRECTIONS = {
-    name: np.array(direction)
-    for direction, names in (
-        ((0.0, 0.0, 1.0), "normal Nworld Nobject"),
-        ((1.0, 0.0, 0.0), "tangent Tworld Tobject"),
-        ((0.0, 1.0, 0.0), "bitangent Bworld Bobject"),
-    )
-    for name in names.split()
+DIRECTIONS = {
+    name: np.eye(3)[axis]
+    for axis, word in enumerate(("tangent", "bitangent", "normal"))
+    for name in (word, f"{word[0].upper()}world", f"{word[0].upper()}object")
 }
 
 #: A number at the beginning of a text, as C++ reads it.
@@ -122,8 +118,8 @@ class Evaluation:
 
     def _property(self, name: str, where: str) -> np.ndarray:
         """A geometric property, or what a node of this name gives."""
-        if name in _DIRECTIONS:
-            return _DIRECTIONS[name]
+        if name in DIRECTIONS:
+            return DIRECTIONS[name]
         if name.startswith("UV"):
             return self.texture_coordinates()
         if name not in ("position", "Pobject", "Pworld"):

@@ -283,9 +283,7 @@ TRANSLATIONS["disney_principled"] = renamed(
 
 TRANSLATIONS["surface_unlit"] = renamed(
     "emission_luminance=emission emission_color base_weight=0 specular_weight=0"
-) | {
-    "geometry_opacity": lambda i: i.opacity * (1 - i.transmission),
-}
+) | {"geometry_opacity": lambda i: i.opacity * (1 - i.transmission)}
 
 #: The roughness of transmitted light, of shaders in which it is not that of reflected light.
 TRANSMITTED_ROUGHNESS: dict[str, Formula] = {

@@ -15,23 +15,12 @@ import numpy as np
 
 from urushi.checks import Check
 from urushi.errors import FileError, UrushiWarning
+from urushi.openpbr_surface.materialx import shaders
 from urushi.openpbr_surface.materialx.baking import MAX_RESOLUTION, Texture, Value, bake, changes
 from urushi.openpbr_surface.materialx.document import find_material, read_document
-from urushi.openpbr_surface.materialx.evaluation import Evaluation
+from urushi.openpbr_surface.materialx.evaluation import DIRECTIONS, Evaluation
 from urushi.openpbr_surface.materialx.graph import Frame, Graph, Node, Source, library
 from urushi.openpbr_surface.materialx.images import Images
-from urushi.openpbr_surface.materialx.shaders import (
-    LOST,
-    SHADERS,
-    TARGET,
-    TRANSLATIONS,
-    TRANSMITTED_ROUGHNESS,
-    Formula,
-    Formulas,
-    Inputs,
-    renamed,
-    separated,
-)
 from urushi.openpbr_surface.parameters import EMISSION, PARAMETERS, Parameter, checked, parameter
 
 #: Rows and columns of a texture that is computed on a grid, unless another number is asked for.
@@ -48,9 +37,6 @@ MAX_MIXED = 16
 
 #: Largest amount by which a colour may leave [0, 1] without a warning.
 GAMUT_TOLERANCE = 0.01
-
-#: The geometry's own directions in the tangent frame.
-_OWN = {"normal": (0.0, 0.0, 1.0), "tangent": (1.0, 0.0, 0.0)}
 
 #: A number, a truth value, a colour in linear sRGB, or a texture.
 ParameterValue = float | bool | tuple[float, float, float] | Texture
@@ -111,7 +97,7 @@ class Reader:
         if given is not None:
             return self._surface(name, given)
         self._warn_of_losses(tag)
-        formulas, roughness = TRANSLATIONS[tag], TRANSMITTED_ROUGHNESS.get(tag)
+        formulas, roughness = shaders.TRANSLATIONS[tag], shaders.TRANSMITTED_ROUGHNESS.get(tag)
         if roughness is None or not (
             self._pixels("transmission_weight", formulas).any()
             and self._changes(lambda i: roughness(i) - formulas["specular_roughness"](i))
@@ -126,7 +112,7 @@ class Reader:
         )
         if emits:  # a mixture would not
             return self._surface(name, formulas)
-        weight, opaque, through = separated(formulas, roughness)
+        weight, opaque, through = shaders.separated(formulas, roughness)
         return mixed(
             name,
             self._baked("transmission_weight", weight),
@@ -134,7 +120,7 @@ class Reader:
             lambda side: self._surface(name, through if side == "fg" else opaque),
         )
 
-    def _surface(self, name: str, formulas: Formulas) -> Surface:
+    def _surface(self, name: str, formulas: shaders.Formulas) -> Surface:
         found: dict[str, ParameterValue] = {}
         for key, formula in formulas.items():
             entry, baked = parameter(key, self._where), self._baked(key, formula)
@@ -143,16 +129,16 @@ class Reader:
                 found[key] = value
         return Surface(name, self._shader.where, _bright(found))
 
-    def _given(self) -> Formulas | None:
+    def _given(self) -> shaders.Formulas | None:
         """The parameters that the shader itself, or a graph of the document, gives; else None."""
         shader, frame = self._shader, self._shader.frame
         tag, inputs = shader.tag, shader.element.getInputs()
-        if tag == TARGET:
+        if tag == shaders.TARGET:
             for element in inputs:
                 parameter(element.getName(), self._where)
             given = [e.getName() for e in inputs if frame.follow(e, shader.where).is_given]
-            return renamed(" ".join(given))
-        definitions = self._graph.root.scope.getMatchingNodeDefs(f"{tag}_to_{TARGET}")
+            return shaders.renamed(" ".join(given))
+        definitions = self._graph.root.scope.getMatchingNodeDefs(f"{tag}_to_{shaders.TARGET}")
         inside = definitions and Node(shader.element, frame, definitions[0]).implementation()
         if inside:
             outputs = {x.getName().removesuffix("_out"): x for x in inside.scope.getOutputs()}
@@ -161,31 +147,31 @@ class Reader:
                 for name, output in outputs.items()
                 if name in PARAMETERS
             }
-        if tag not in TRANSLATIONS:
+        if tag not in shaders.TRANSLATIONS:
             raise FileError(
                 f"{self._where} has a shader of kind {tag[:40]}, which is not read; translate it "
-                f"to one of {', '.join(SHADERS)}"
+                f"to one of {', '.join(shaders.SHADERS)}"
             )
         return None
 
     def ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """The least and the largest value (channels,) of an input on the surface."""
         if name not in self._ends:
-            pixels = self._pixels(name, renamed(name))
+            pixels = self._pixels(name, shaders.renamed(name))
             self._ends[name] = pixels.min(axis=(0, 1)), pixels.max(axis=(0, 1))
         return self._ends[name]
 
-    def _value(self, formula: Formula) -> Value:
-        return lambda e: formula(Inputs(e, self._shader, self.ends))
+    def _value(self, formula: shaders.Formula) -> Value:
+        return lambda e: formula(shaders.Inputs(e, self._shader, self.ends))
 
-    def _changes(self, formula: Formula) -> bool:
+    def _changes(self, formula: shaders.Formula) -> bool:
         return changes(self._graph, self._value(formula))
 
-    def _baked(self, name: str, formula: Formula) -> Texture:
+    def _baked(self, name: str, formula: shaders.Formula) -> Texture:
         where = f"{self._where}: {name}"
         return bake(self._graph, self._value(formula), self._resolution, where)
 
-    def _pixels(self, name: str, formulas: Formulas) -> np.ndarray:
+    def _pixels(self, name: str, formulas: shaders.Formulas) -> np.ndarray:
         """The values (height, width, channels) of a baked parameter."""
         return self._baked(name, formulas[name]).pixels
 
@@ -193,7 +179,7 @@ class Reader:
         """Warn of inputs without a parameter, where they would change something."""
         given = [element.getName() for element in self._shader.element.getInputs()]
         lost = [name for name in given if name not in self._shader.inputs]
-        for name, formula in LOST.get(tag, {}).items():
+        for name, formula in shaders.LOST.get(tag, {}).items():
             if name in given and self._changes(formula):
                 lost.append(name)
         if lost:
@@ -201,7 +187,7 @@ class Reader:
 
     def _direction(self, entry: Parameter, value: Texture) -> Texture | None:
         """A normal map of directions; None if they are the geometry's own."""
-        own, where = np.array(_OWN[entry.name.rsplit("_", 1)[-1]]), f"{self._where}: {entry.name}"
+        own, where = DIRECTIONS[entry.name.rsplit("_", 1)[-1]], f"{self._where}: {entry.name}"
         if value.is_number:
             number = value.pixels[0, 0]
             length = np.linalg.norm(number)  # 0: editors write directions that are not set so
@@ -246,7 +232,7 @@ class Reader:
         return limited
 
 
-def _output(source: Source, i: Inputs) -> np.ndarray:
+def _output(source: Source, i: shaders.Inputs) -> np.ndarray:
     """A formula: the value of an output of a graph that translates a shader."""
     return i.evaluation.value(source, i.shader.where)
 

@@ -17,39 +17,29 @@ from urushi.core import fresnel
 from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.facets import SeenLight, multiple_lobe
 from urushi.errors import ParameterError
-from urushi.walk.bottoms.bottom import (
-    Description,
-    Family,
-    Microfacet,
-    Rough,
-    Value,
-    draw_alpha,
-    maker,
-    store,
-    store_alpha,
-)
+from urushi.walk.bottoms import bottom
 
 
 @dataclass(frozen=True)
-class Conductor(Rough, Description):
+class Conductor(bottom.Rough, bottom.Description):
     """A rough conductor: GGX of width `alpha`, and Schlick's `r0` or a complex index `eta`, `k`.
 
     The index is relative to the medium above.
     """
 
-    alpha: Value | Widths
-    r0: Value | None = None
-    eta: Value | None = None
-    k: Value | None = None
+    alpha: bottom.Value | Widths
+    r0: bottom.Value | None = None
+    eta: bottom.Value | None = None
+    k: bottom.Value | None = None
     energy_compensation: bool = False
 
     def __post_init__(self) -> None:
-        store_alpha(self, self.alpha, "the conductor's")
+        bottom.store_alpha(self, self.alpha, "the conductor's")
         if self.r0 is not None and self.eta is None and self.k is None:
-            store(self, "r0", checks.reflectance(self.r0, "the conductor's r0"))
+            bottom.store(self, "r0", checks.reflectance(self.r0, "the conductor's r0"))
         elif self.r0 is None and self.eta is not None and self.k is not None:
-            store(self, "eta", checks.nonnegative(self.eta, "the conductor's eta"))
-            store(self, "k", checks.nonnegative(self.k, "the conductor's k"))
+            bottom.store(self, "eta", checks.nonnegative(self.eta, "the conductor's eta"))
+            bottom.store(self, "k", checks.nonnegative(self.k, "the conductor's k"))
         else:
             raise ParameterError(
                 "a conductor needs either r0 (Schlick) or both eta and k (complex index of "
@@ -68,7 +58,7 @@ class Conductor(Rough, Description):
         return kind + "_compensated" * self.energy_compensation
 
 
-@maker
+@bottom.maker
 def conductor(
     alpha: npt.ArrayLike | None = None,
     r0: npt.ArrayLike | None = None,
@@ -98,7 +88,7 @@ def conductor(
     return Conductor(width, r0, eta, k, energy_compensation)  # type: ignore[arg-type]
 
 
-class SchlickConductor(Microfacet, kind="conductor"):
+class SchlickConductor(bottom.Microfacet, kind="conductor"):
     """A GGX conductor with Schlick's Fresnel term (Schlick 1994, equation 24)."""
 
     parameters = ("alpha", "r0")
@@ -114,10 +104,10 @@ class SchlickConductor(Microfacet, kind="conductor"):
     @staticmethod
     def draw(rng, n, draw_eta):
         """R0 = U(0, 1)."""
-        return {"alpha": draw_alpha(rng, n), "r0": rng.uniform(0.0, 1.0, n)}
+        return {"alpha": bottom.draw_alpha(rng, n), "r0": rng.uniform(0.0, 1.0, n)}
 
 
-class ComplexConductor(Microfacet, kind="conductor_complex"):
+class ComplexConductor(bottom.Microfacet, kind="conductor_complex"):
     """A GGX conductor with the exact Fresnel term of a complex index eta - i k."""
 
     parameters = ("alpha", "eta", "k")
@@ -135,18 +125,18 @@ class ComplexConductor(Microfacet, kind="conductor_complex"):
     def draw(rng, n, draw_eta):
         """eta = U(0.05, 3.5), k = U(0.5, 8), about the range of metals."""
         return {
-            "alpha": draw_alpha(rng, n),
+            "alpha": bottom.draw_alpha(rng, n),
             "eta": rng.uniform(0.05, 3.5, n),
             "k": rng.uniform(0.5, 8.0, n),
         }
 
 
-class Compensated(Microfacet):
+class Compensated(bottom.Microfacet):
     """A GGX reflector with the light that meets more than one facet (`core.facets`)."""
 
     bare = False
     tabulated = True
-    draw = staticmethod(Family.draw)  # training has those of single scattering
+    draw = staticmethod(bottom.Family.draw)  # training has those of single scattering
 
     def __init__(self, *values):
         super().__init__(*values)

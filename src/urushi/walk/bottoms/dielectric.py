@@ -9,20 +9,11 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.checks import DEFAULT_COAT, LEAST_ETA_BELOW, Widths
 from urushi.core import fresnel
-from urushi.walk.bottoms.bottom import (
-    Description,
-    Microfacet,
-    Rough,
-    Value,
-    draw_alpha,
-    maker,
-    store,
-    store_alpha,
-)
+from urushi.walk.bottoms import bottom
 
 
 @dataclass(frozen=True)
-class Dielectric(Rough, Description):
+class Dielectric(bottom.Rough, bottom.Description):
     """A rough dielectric interface: GGX of width `alpha`, relative index `eta`.
 
     `urushi.layer` uses it as a coat. A stack over it is a slab, which transmits (`urushi.slab`).
@@ -31,22 +22,22 @@ class Dielectric(Rough, Description):
     """
 
     kind = "dielectric"
-    alpha: Value | Widths = DEFAULT_COAT.alpha
-    eta: Value = DEFAULT_COAT.eta
-    ior: Value | None = None
+    alpha: bottom.Value | Widths = DEFAULT_COAT.alpha
+    eta: bottom.Value = DEFAULT_COAT.eta
+    ior: bottom.Value | None = None
 
     def __post_init__(self) -> None:
-        store_alpha(self, self.alpha, "the dielectric's")
+        bottom.store_alpha(self, self.alpha, "the dielectric's")
         eta = checks.eta(self.eta, "the dielectric's eta", low=LEAST_ETA_BELOW)
-        store(self, "eta", eta)
+        bottom.store(self, "eta", eta)
         if self.ior is not None:
-            store(self, "ior", np.asarray(self.ior))
+            bottom.store(self, "ior", np.asarray(self.ior))
 
     def under(self, index: npt.ArrayLike) -> "Dielectric":
         return self if self.ior is None else replace(self, eta=np.divide(self.eta, index))  # type: ignore
 
 
-@maker
+@bottom.maker
 def dielectric(
     alpha: npt.ArrayLike | None = None,
     eta: npt.ArrayLike | None = None,
@@ -74,7 +65,7 @@ def dielectric(
     return Dielectric(width, *index)  # type: ignore[arg-type]
 
 
-class Reflector(Microfacet, kind="dielectric"):
+class Reflector(bottom.Microfacet, kind="dielectric"):
     """The reflection of a rough dielectric."""
 
     parameters = ("alpha", "eta")
@@ -90,4 +81,4 @@ class Reflector(Microfacet, kind="dielectric"):
     @staticmethod
     def draw(rng, n, draw_eta):
         """Indices have the distribution of coats."""
-        return {"alpha": draw_alpha(rng, n), "eta": draw_eta(rng, n)}
+        return {"alpha": bottom.draw_alpha(rng, n), "eta": draw_eta(rng, n)}
