@@ -177,7 +177,7 @@ def _nested_like(template: Any, values: Iterator) -> Any:
     if isinstance(template, Number):
         return template
     if isinstance(template, Widths):
-        return template.map(lambda width: _nested_like(width, values))
+        return Widths(_nested_like(template.u, values), _nested_like(template.v, values))
     if not isinstance(template, list | tuple):
         return next(values)
     # No closure that calls itself: it would keep the values until Python looks for cycles. While a

@@ -100,9 +100,10 @@ def bsdf_values(
 
 def mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int = 1) -> np.ndarray:
     """f float64 (M, C) [1/sr] in the middle of uv, as the mean of `repeats` evaluations."""
-    uv = np.full((len(wi), 2), 0.5)
-    total = sum(bsdf_values(bsdf, wi, wo, uv, float(repeat)) for repeat in range(repeats))
-    return np.asarray(total, np.float64) / repeats
+    a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
+    time = np.repeat(np.arange(repeats, dtype=np.float32), len(wi))
+    f = bsdf_values(bsdf, a, b, np.full((len(a), 2), 0.5), time)
+    return f.reshape(repeats, len(wi), -1).sum(axis=0).astype(np.float64) / repeats
 
 
 def bsdf_channels(bsdf: "mi.BSDF", si, wo: "mi.Vector3f") -> list:
