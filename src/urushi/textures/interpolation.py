@@ -49,8 +49,7 @@ def interpolant(
     """
     if not x.shape[1]:
         return lambda y: np.repeat(values, len(y), axis=0)
-    some = np.random.default_rng(0).permutation(len(x))[:CHOOSING]
-    scale = 1 / _lengths(x[some].astype(np.float64), (values[some] @ norm).reshape(len(some), -1))
+    scale = 1 / _lengths(x, values, norm)[0]
     x, given = x * scale, values.reshape(len(x), -1)
     weights = np.linalg.solve(_system(x), np.pad(given, [(0, 1), (0, 0)]))
 
@@ -65,14 +64,24 @@ def interpolant(
     return found
 
 
-def _lengths(x: np.ndarray, values: np.ndarray) -> NDArray[np.float64]:
-    """The length (d,) of each coordinate of points x (m, d) with values (m, k)."""
+def left_out(x: np.ndarray, values: np.ndarray, norm: np.ndarray) -> float:
+    """Root of the mean square error of `interpolant` at a point that it does not know."""
+    return _lengths(x, values, norm)[1] ** 0.5
+
+
+def _lengths(
+    x: np.ndarray, values: np.ndarray, norm: np.ndarray
+) -> tuple[NDArray[np.float64], float]:
+    """The length (d,) of each coordinate, and the mean square error at points that are left out."""
+    some = np.random.default_rng(0).permutation(len(x))[:CHOOSING]
+    x, values = x[some].astype(np.float64), (values[some] @ norm).reshape(len(some), -1)
     ranges = np.maximum(np.ptp(x, axis=0), 1e-9)
 
     def error(lengths: np.ndarray) -> float:
         """The mean square of the errors at points that are left out."""
         inverse = np.linalg.inv(_system(x / (lengths * ranges)))[:-1, :-1]
-        return float(np.square(inverse @ values / np.diag(inverse)[:, None]).mean())
+        mistakes = inverse @ values / np.diag(inverse)[:, None]
+        return float(np.square(mistakes).sum(axis=1).mean())
 
     lengths = np.full(x.shape[1], LENGTH)
     least = error(lengths)
@@ -83,7 +92,7 @@ def _lengths(x: np.ndarray, values: np.ndarray) -> NDArray[np.float64]:
             if not SHORTEST < other[axis] < LONGEST or (now := error(other)) >= least:
                 break
             lengths, least = other, now
-    return lengths * ranges
+    return lengths * ranges, least
 
 
 def _system(x: np.ndarray) -> np.ndarray:

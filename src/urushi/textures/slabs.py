@@ -17,11 +17,13 @@ from urushi.core import table
 from urushi.material.slab_table import SlabTables, slab_tables
 from urushi.textures.axes import DARK, Axis, Changes
 from urushi.textures.baking import node_counts
-from urushi.textures.interpolation import interpolant, points
+from urushi.textures.interpolation import interpolant, left_out, points
 from urushi.textures.point_codes import slope_weights
 
-#: Points at which tables are computed, by the number of axes.
-POINTS = 1, 16, 64, 112, 144, 176, 208
+#: Points at which tables are computed at most, by the number of axes. A part of them is enough
+#: where interpolation from all but one of them has a smaller error of ln f than `ENOUGH`.
+POINTS = 1, 32, 64, 112, 144, 176, 208
+PARTS, ENOUGH = (4, 2), 0.04
 
 #: Most axes.
 AXES = len(POINTS) - 1
@@ -90,52 +92,82 @@ def bake(
             changes of the constants.
         lobes: numbers (L) of samples of a slab.
     """
-    count, each = len(axes), 1 + 3 * len(changes)
-    x = points(count, POINTS[count]) if axes else np.zeros((1, 0))
-    rows = np.zeros((len(x), each, count + len(changes)))
-    for k, axis in enumerate(axes):
-        rows[..., k] = axis.values(x[:, k])[:, None]
-    for k, change in enumerate(changes):
-        rows[:, 1 + 3 * k : 4 + 3 * k, count + k] = change
-    flat, index = np.unique(
-        rows.reshape(len(x) * each, count + len(changes)), axis=0, return_inverse=True
-    )
-    different = [slab_tables(*layers(row)) for row in tqdm(flat, **PROGRESS)]
-    found = [different[i] for i in np.ravel(index)]
-    faint = FAINT if len(different) > 1 else 0.0
-    functions, numbers, sizes = zip(*(_principal(x, faint) for x in _logs(found)), strict=True)
-    first = np.stack([_first(t) for t in found])
-    at_points = np.concatenate([first, *numbers], axis=-1)  # (points and changes, C, T)
-    at_points = at_points.reshape(len(x), each, *at_points.shape[1:])
-    norm = np.diag(np.concatenate([np.ones(first.shape[-1]), *sizes]))
+    d, known = len(axes), dict[bytes, SlabTables]()
+    for part in PARTS if axes else ():
+        at = _at_points(points(d, POINTS[d] // part), axes, changes, layers, known)
+        if left_out(at.x, at.numbers[:, 0], at.norm) < ENOUGH:
+            break
+    else:
+        x = points(d, POINTS[d]) if axes else np.zeros((1, 0))
+        at = _at_points(x, axes, changes, layers, known)
 
     def smooth(values: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Numbers (C, k, T) at coordinates (k, d), by values (P, C, T) at the points."""
-        return np.moveaxis(interpolant(x, values, norm)(y), 1, 0)
+        return np.moveaxis(interpolant(at.x, values, at.norm)(y), 1, 0)
 
-    shape = node_counts(norm, partial(smooth, at_points[:, 0]), count)
+    shape = node_counts(at.norm, partial(smooth, at.numbers[:, 0]), d)
     nodes = _grid(shape)
-    at_nodes = smooth(at_points[:, 0], nodes)
-    grid, slopes = at_nodes.reshape(-1, *shape, len(norm)), []
+    numbers = smooth(at.numbers[:, 0], nodes)
+    grid, slopes = numbers.reshape(-1, *shape, len(at.norm)), []
     for k in sloped:
         along = axes[k].values(np.linspace(0, 1, shape[k]))
-        slopes.append(np.gradient(grid, along, axis=1 + k).reshape(at_nodes.shape))
+        slopes.append(np.gradient(grid, along, axis=1 + k).reshape(numbers.shape))
     for k, change in enumerate(changes):
         (weights,) = slope_weights(np.array([change]), np.zeros(1))
-        own = np.tensordot(weights, at_points[:, 1 + 3 * k : 4 + 3 * k], (0, 1))
+        own = np.tensordot(weights, at.numbers[:, 1 + 3 * k : 4 + 3 * k], (0, 1))
         slopes.append(smooth(own, nodes))
-    drawn = np.stack([lobes(t) for t in found[::each]])
-    coarse = tuple(min(n, LOBES[count]) for n in shape)
-    rest = interpolant(x, drawn.reshape(len(drawn), 1, -1), np.eye(drawn[0].size))(_grid(coarse))
+    drawn = np.stack([lobes(t) for t in at.tables])
+    coarse = tuple(min(n, LOBES[d]) for n in shape)
+    rest = interpolant(at.x, drawn.reshape(len(drawn), 1, -1), np.eye(drawn[0].size))(_grid(coarse))
     return Slabs(
         shape=shape,
-        first=found[0],
-        functions=functions,
-        numbers=at_nodes,
-        slopes=np.stack(slopes, axis=2) if slopes else at_nodes[:, :, None, :0],
+        first=at.tables[0],
+        functions=at.functions,
+        numbers=numbers,
+        slopes=np.stack(slopes, axis=2) if slopes else numbers[:, :, None, :0],
         lobes=rest.reshape(*coarse, *drawn.shape[1:]).clip(drawn.min(axis=0), drawn.max(axis=0)),
-        faint=faint,
+        faint=at.faint,
     )
+
+
+class AtPoints(NamedTuple):
+    """Slabs at P points of the axes, and each after changes of constants."""
+
+    x: np.ndarray  # (P, d) coordinates
+    tables: list[SlabTables]  # P, without changes
+    functions: tuple[Functions, ...]
+    numbers: np.ndarray  # (P, 1 + changes, C, T)
+    norm: np.ndarray  # (T, T) by which an error e of numbers changes ln f by |e norm|
+    faint: float
+
+
+def _at_points(
+    x: np.ndarray,
+    axes: Sequence[Axis],
+    changes: Sequence[Changes],
+    layers: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    known: dict[bytes, SlabTables],
+) -> AtPoints:
+    """Slabs at points; known: tables by the numbers of `layers`, to which new ones are added."""
+    rows = np.zeros((len(x), 1 + 3 * len(changes), len(axes) + len(changes)))
+    for k, axis in enumerate(axes):
+        rows[..., k] = axis.values(x[:, k])[:, None]
+    for k, change in enumerate(changes):
+        rows[:, 1 + 3 * k : 4 + 3 * k, len(axes) + k] = change
+    each = [row for point in rows for row in point]
+    new = {row.tobytes(): row for row in each if row.tobytes() not in known}
+    for key, row in tqdm(new.items(), **PROGRESS):
+        known[key] = slab_tables(*layers(row))
+    found = [known[row.tobytes()] for row in each]
+    faint = FAINT if len(known) > 1 else 0.0
+    functions, numbers, sizes = zip(
+        *(_principal(part, faint) for part in _logs(found)), strict=True
+    )
+    first = np.stack([_first(t) for t in found])
+    every = np.concatenate([first, *numbers], axis=-1)
+    every = every.reshape(*rows.shape[:2], *every.shape[1:])
+    norm = np.diag(np.concatenate([np.ones(first.shape[-1]), *sizes]))
+    return AtPoints(x, found[:: rows.shape[1]], functions, every, norm, faint)
 
 
 def _grid(shape: tuple[int, ...]) -> np.ndarray:
