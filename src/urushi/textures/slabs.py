@@ -7,7 +7,6 @@ constant slab is a single node, and its channels have functions of their own.
 """
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +22,7 @@ from urushi.textures.point_codes import slope_weights
 #: Points at which tables are computed at most, by the number of axes. A part of them is enough
 #: where interpolation from all but one of them has a smaller error of ln f than `ENOUGH`.
 POINTS = 1, 32, 64, 112, 144, 176, 208
-PARTS, ENOUGH = (4, 2), 0.04
+PARTS, ENOUGH = (4, 2, 1), 0.04
 
 #: Most axes.
 AXES = len(POINTS) - 1
@@ -93,21 +92,15 @@ def bake(
         lobes: numbers (L) of samples of a slab.
     """
     d, known = len(axes), dict[bytes, SlabTables]()
-    for part in PARTS if axes else ():
-        at = _at_points(points(d, POINTS[d] // part), axes, changes, layers, known)
-        if left_out(at.x, at.numbers[:, 0], at.norm) < ENOUGH:
-            break
-    else:
-        x = points(d, POINTS[d]) if axes else np.zeros((1, 0))
+    for part in PARTS:
+        x = points(d, POINTS[d] // part) if axes else np.zeros((1, 0))
         at = _at_points(x, axes, changes, layers, known)
-
-    def smooth(values: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Numbers (C, k, T) at coordinates (k, d), by values (P, C, T) at the points."""
-        return np.moveaxis(interpolant(at.x, values, at.norm)(y), 1, 0)
-
-    shape = node_counts(at.norm, partial(smooth, at.numbers[:, 0]), d)
+        if not axes or left_out(x, at.numbers[:, 0], at.norm) < ENOUGH:
+            break
+    smooth = interpolant(x, at.numbers[:, 0], at.norm)
+    shape = node_counts(at.norm, lambda y: np.moveaxis(smooth(y), 1, 0), d)
     nodes = _grid(shape)
-    numbers = smooth(at.numbers[:, 0], nodes)
+    numbers = np.moveaxis(smooth(nodes), 1, 0)
     grid, slopes = numbers.reshape(-1, *shape, len(at.norm)), []
     for k in sloped:
         along = axes[k].values(np.linspace(0, 1, shape[k]))
@@ -115,10 +108,10 @@ def bake(
     for k, change in enumerate(changes):
         (weights,) = slope_weights(np.array([change]), np.zeros(1))
         own = np.tensordot(weights, at.numbers[:, 1 + 3 * k : 4 + 3 * k], (0, 1))
-        slopes.append(smooth(own, nodes))
+        slopes.append(np.moveaxis(interpolant(x, own, at.norm)(nodes), 1, 0))
     drawn = np.stack([lobes(t) for t in at.tables])
     coarse = tuple(min(n, LOBES[d]) for n in shape)
-    rest = interpolant(at.x, drawn.reshape(len(drawn), 1, -1), np.eye(drawn[0].size))(_grid(coarse))
+    rest = interpolant(x, drawn.reshape(len(drawn), 1, -1), np.eye(drawn[0].size))(_grid(coarse))
     return Slabs(
         shape=shape,
         first=at.tables[0],
@@ -133,7 +126,6 @@ def bake(
 class AtPoints(NamedTuple):
     """Slabs at P points of the axes, and each after changes of constants."""
 
-    x: np.ndarray  # (P, d) coordinates
     tables: list[SlabTables]  # P, without changes
     functions: tuple[Functions, ...]
     numbers: np.ndarray  # (P, 1 + changes, C, T)
@@ -167,7 +159,7 @@ def _at_points(
     every = np.concatenate([first, *numbers], axis=-1)
     every = every.reshape(*rows.shape[:2], *every.shape[1:])
     norm = np.diag(np.concatenate([np.ones(first.shape[-1]), *sizes]))
-    return AtPoints(x, found[:: rows.shape[1]], functions, every, norm, faint)
+    return AtPoints(found[:: rows.shape[1]], functions, every, norm, faint)
 
 
 def _grid(shape: tuple[int, ...]) -> np.ndarray:

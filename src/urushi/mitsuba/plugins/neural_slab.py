@@ -122,8 +122,8 @@ class NeuralSlab(CoatedSurface):
 
     def _vertex(self, si, active):
         """Numbers of each channel, their slopes, and those of lobes; without gradients."""
-        layers, detached = self._layers, dr.detach
-        values = [[detached(x) for x in part.read(si, active)] for part in layers.axes]
+        layers = self._layers
+        values = [[dr.detach(x) for x in part.read(si, active)] for part in layers.axes]
         constants = [part.read(si, active) for part in layers.constants]
         channels = max([self._channels, *map(len, (*values, *constants))])
         return only_where(active, partial(self._at_place, channels), values, si.wi)
