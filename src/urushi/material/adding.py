@@ -180,9 +180,10 @@ class Grid:
 
     def shares(self, angles: np.ndarray) -> np.ndarray:
         """Shares (..., N) of the nodes in values at angles (...), as by linear interpolation."""
-        nodes = np.arange(len(self.angles))
-        place = np.interp(angles, self.angles, nodes)[..., None]
-        return np.maximum(1 - np.abs(place - nodes), 0)
+        nodes = np.arange(len(self.angles), dtype=np.float32)
+        place = np.interp(angles, self.angles, nodes).astype(np.float32)
+        shares = 1 - np.abs(place[..., None] - nodes)
+        return np.maximum(shares, 0, out=shares)
 
     def received(self, w: Sequence[np.ndarray], weights: np.ndarray) -> np.ndarray:
         """Modes (H, M, N) of the light that the nodes get, each its `shares` of weights (M, K).
@@ -191,8 +192,9 @@ class Grid:
         """
         x, y, z = w
         shares, turn = self.shares(np.arccos(np.clip(z, 0, 1))), np.arctan2(y, x)
-        waves = (np.cos(order * turn) for order in range(self.orders))
-        return np.stack([np.einsum("mk,mkn->mn", weights * wave, shares) for wave in waves])
+        orders = np.arange(self.orders, dtype=turn.dtype)[:, None]
+        waves = weights[:, None] * np.cos(orders * turn[:, None])
+        return np.moveaxis(waves @ shares, 1, 0)
 
     def averaged(self, function: Callable[["Grid"], np.ndarray], finer: int) -> np.ndarray:
         """Means (..., N) about each node of a function of direction, as by linear interpolation.

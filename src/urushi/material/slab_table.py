@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.core.namespace import NUMPY, Components, stacked
-from urushi.core.quadrature import half_vector_rule
+from urushi.core.quadrature import AZIMUTH_NODES, half_vector_rule
 from urushi.core.table import (
     MAX_LOG,
     MIN_LOG,
@@ -116,27 +116,30 @@ class SlabTables(NamedTuple):
             result[at] = values * scale * (1 if lower else self.eta**2)
         return result
 
-    def powers(self, wi: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Light of a unit vector (3,) that is reflected and transmitted, at directions M.
+    def powers(self, wi: np.ndarray, azimuths: int = AZIMUTH_NODES) -> list[tuple]:
+        """Light of unit vectors (N, 3) that is reflected and transmitted, in M directions.
+
+        azimuths: of `half_vector_rule`.
 
         Returns:
-            For either: tangents (M,) of half angles, about where a mirror or straight light goes,
-            and shares of the light (M, C).
+            For either: tangents (N, M) of half angles, about where a mirror or straight light goes,
+            and shares of the light (N, M, C).
         """
-        sign, found = float(np.sign(wi[2])), []
-        near = Components(*(wi * [1, 1, sign]))
+        sign, found = np.where(wi[:, 2] < 0, -1.0, 1.0), []
+        near = Components(wi[:, 0], wi[:, 1], np.abs(wi[:, 2]))
         for seen, side in ((near, sign), (slabs.straight(near, self.eta**sign, NUMPY), -sign)):
-            wo, weights = half_vector_rule(np.array([seen]))
-            f = self.f(np.broadcast_to(wi, wo[0].shape), wo[0] * [1, 1, side])
-            half = wo[0] + np.array(seen)
-            tangents = np.hypot(half[:, 0], half[:, 1]) / half[:, 2]
-            found.append((tangents, f * (weights[0] * wo[0, :, 2])[:, None]))
+            about = stacked(seen)
+            wo, weights = half_vector_rule(about, azimuths=azimuths)
+            half, power = wo + about[:, None], weights * wo[..., 2]
+            wo[..., 2] *= side[:, None]
+            f = self.f(np.repeat(wi, wo.shape[1], axis=0), wo.reshape(-1, 3))
+            tangents = np.hypot(half[..., 0], half[..., 1]) / half[..., 2]
+            found.append((tangents, f.reshape(*power.shape, -1) * power[..., None]))
         return found
 
     def shares(self, wi: np.ndarray) -> np.ndarray:
         """Shares (2, N, C) of the light of unit vectors (N, 3): reflected and transmitted."""
-        every = [[power.sum(axis=0) for _, power in self.powers(w)] for w in wi]
-        return np.array(every).swapaxes(0, 1)
+        return np.array([power.sum(axis=1) for _, power in self.powers(wi)])
 
 
 def slab_tables(interfaces: np.ndarray, media: np.ndarray) -> SlabTables:

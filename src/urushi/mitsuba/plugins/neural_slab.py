@@ -24,7 +24,7 @@ from urushi.material.slab_table import SlabTables
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.plugins.coated import CoatedSurface
-from urushi.mitsuba.plugins.stack import CoatStack, width
+from urushi.mitsuba.plugins.stack import CoatStack, quantiles
 from urushi.mitsuba.reading.slab_layers import SlabLayers
 from urushi.mitsuba.recording import only_where
 from urushi.mitsuba.snapshot import is_attached, writable
@@ -37,6 +37,12 @@ from urushi.walk import interface
 #: cosine lobe. The first is for a narrow lobe that has a small part of the light.
 QUANTILES, WEIGHTS = (0.03, 0.25, 0.5, 0.8), (0.12, 0.3, 0.28, 0.2, 0.1)
 
+#: By which a quantile of the tangents of a GGX lobe is its width.
+OF_QUANTILES = (1 / np.array(QUANTILES) - 1) ** 0.5
+
+#: Nodes of the quadrature of this light in each half of the azimuth's range.
+AROUND = 8
+
 #: Cosines for which proposals are computed, and the least and largest share of reflected samples.
 ELEVATIONS, SHARES = 33, (0.03, 0.97)
 
@@ -47,18 +53,17 @@ def _lobes(tables: SlabTables) -> np.ndarray:
     The share that is reflected, within `SHARES`; and widths at `QUANTILES` of the half angles, of
     reflected light and of transmitted light, as `stack.BottomLobes`.
     """
-    found = np.empty((2, ELEVATIONS, 1 + 2 * len(QUANTILES)), np.float32)
-    sides = 1 if tables.reflected[0] is tables.reflected[1] else 2
-    for side, row in np.ndindex(sides, ELEVATIONS):
-        cosine = max((row / (ELEVATIONS - 1)) ** 2, MIN_COSINE)
-        wi = np.array([(1 - cosine**2) ** 0.5, 0, cosine * (1 - 2 * side)])
-        both = [(tangents, power.mean(axis=1)) for tangents, power in tables.powers(wi)]
-        widths = [width(*x, q, ((1 - q) / q) ** 0.5) for x in both for q in QUANTILES]
-        found[side, row] = both[0][1].sum() / sum(power.sum() for _, power in both), *widths
-    found[sides:] = found[0]
-    found[..., 0] = found[..., 0].clip(*SHARES)
-    found[..., 1:] = found[..., 1:].clip(MIN_ALPHA / 4, 1)
-    return found
+    cosine = np.maximum(np.linspace(0, 1, ELEVATIONS) ** 2, MIN_COSINE)
+    found = []
+    for side in [1, -1][: 1 if tables.reflected[0] is tables.reflected[1] else 2]:
+        wi = np.stack([(1 - cosine**2) ** 0.5, 0 * cosine, side * cosine], axis=-1)
+        both = [(tangents, power.mean(axis=-1)) for tangents, power in tables.powers(wi, AROUND)]
+        reflected, passed = (power.sum(axis=1) for _, power in both)
+        shares = (reflected / (reflected + passed)).clip(*SHARES)
+        widths = [quantiles(*x, QUANTILES) * OF_QUANTILES for x in both]
+        widths = np.concatenate(widths, axis=1).clip(MIN_ALPHA / 4, 1)
+        found.append(np.concatenate([shares[:, None], widths], axis=1))
+    return np.stack([found[0], found[-1]]).astype(np.float32)
 
 
 class NeuralSlab(CoatedSurface):

@@ -55,18 +55,14 @@ class BottomLobes:
         half = bs.wo + mi.Vector3f(0, 0, 1)
         tangent = (dr.hypot(half.x, half.y) / half.z).numpy()
         share = np.where(valid.numpy(), dr.mean(weight).numpy(), 0)
-        below = _cumulative(tangent, share)[1]
-        self.albedo = opaque(min(below[-1] / SAMPLES, 1))
+        self.albedo = opaque(min(share.sum() / SAMPLES, 1))
         self._alphas = []  # of each lobe, one width or two
+        slopes = np.abs(np.stack([(half.x / half.z).numpy(), (half.y / half.z).numpy()]))
         for q in (0.25, 0.75):
-            along_axis = (1 - q * q) ** 0.5 / q
-            widths = [
-                width(np.abs(slope.numpy()), share, q, along_axis)
-                for slope in (half.x / half.z, half.y / half.z)
-            ]
-            if max(widths) < ANISOTROPIC_RATIO * min(widths):
-                widths = [width(tangent, share, q, ((1 - q) / q) ** 0.5)]
-            self._alphas.append([opaque(width) for width in widths])
+            found = quantiles(slopes, share, [q])[:, 0] * ((1 - q * q) ** 0.5 / q)
+            if found.max() < ANISOTROPIC_RATIO * found.min():
+                found = quantiles(tangent, share, [q]) * ((1 - q) / q) ** 0.5
+            self._alphas.append([opaque(float(width)) for width in found])
 
     @property
     def alphas(self) -> list[Any]:
@@ -74,18 +70,17 @@ class BottomLobes:
         return [alpha_of(alpha) for alpha in self._alphas]
 
 
-def _cumulative(tangent: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Tangents in ascending order, and the sums of the weights up to each."""
-    order = np.argsort(tangent)
-    return tangent[order], np.cumsum(share[order])
+def quantiles(tangents: np.ndarray, shares: np.ndarray, q: Sequence[float]) -> np.ndarray:
+    """The q-quantiles (..., Q) of tangents (..., M), each of a share (..., M) of the light.
 
-
-def width(tangent: np.ndarray, share: np.ndarray, q: float, factor: float) -> float:
-    """A GGX width: a factor times the q-quantile of tangents of the given weights."""
-    ascending, below = _cumulative(tangent, share)
-    if below[-1] == 0:
-        return 0.5  # black: the width does not matter
-    return float(ascending[np.searchsorted(below, q * below[-1])] * factor)
+    They are one where there is no light.
+    """
+    order = np.argsort(tangents, axis=-1)
+    below = np.cumsum(np.take_along_axis(np.broadcast_to(shares, order.shape), order, -1), axis=-1)
+    whole = below[..., -1:]
+    places = (below[..., None, :] < (np.array(q) * whole)[..., None]).sum(axis=-1)
+    found = np.take_along_axis(tangents, np.take_along_axis(order, places, -1), -1)
+    return np.where(whole > 0, found, 1.0)
 
 
 class CoatStack:
