@@ -60,9 +60,8 @@ def _lobes(tables: SlabTables) -> np.ndarray:
         both = [(tangents, power.mean(axis=-1)) for tangents, power in tables.powers(wi, AROUND)]
         reflected, passed = (power.sum(axis=1) for _, power in both)
         shares = (reflected / (reflected + passed)).clip(*SHARES)
-        widths = [quantiles(*x, QUANTILES) * OF_QUANTILES for x in both]
-        widths = np.concatenate(widths, axis=1).clip(MIN_ALPHA / 4, 1)
-        found.append(np.concatenate([shares[:, None], widths], axis=1))
+        widths = np.concatenate([quantiles(*x, QUANTILES) * OF_QUANTILES for x in both], axis=1)
+        found.append(np.column_stack([shares, widths.clip(MIN_ALPHA / 4, 1)]))
     return np.stack([found[0], found[-1]]).astype(np.float32)
 
 
