@@ -22,7 +22,7 @@ from urushi.textures.point_codes import slope_weights
 #: Points at which tables are computed at most, by the number of axes. A part of them is enough
 #: where interpolation from all but one of them has a smaller error of ln f than `ENOUGH`.
 POINTS = 1, 32, 64, 112, 144, 176, 208
-PARTS, ENOUGH = (4, 2, 1), 0.04
+PARTS, ENOUGH = (4, 2, 1), 0.02
 
 #: Most axes.
 AXES = len(POINTS) - 1
@@ -80,6 +80,7 @@ def bake(
     changes: Sequence[Changes],
     layers: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
     lobes: Callable[[SlabTables], np.ndarray],
+    apart: Callable[[np.ndarray], np.ndarray],
 ) -> Slabs:
     """Slabs at nodes of axes.
 
@@ -90,16 +91,19 @@ def bake(
         layers: the arguments of `slab_tables` at numbers (d + m,): values along the axes, and
             changes of the constants.
         lobes: numbers (L) of samples of a slab.
+        apart: from coordinates (n, d) along the axes to those (n, d') by whose distances slabs
+            differ.
     """
     d, known = len(axes), dict[bytes, SlabTables]()
     for part in PARTS:
         x = points(d, POINTS[d] // part) if axes else np.zeros((1, 0))
         at = _at_points(x, axes, changes, layers, known)
-        if not axes or left_out(x, at.numbers[:, 0], at.norm) < ENOUGH:
+        if not axes or left_out(apart(x), at.numbers[:, 0], at.norm) < ENOUGH:
             break
+    x = apart(x)
     smooth = interpolant(x, at.numbers[:, 0], at.norm)
-    shape = node_counts(at.norm, lambda y: np.moveaxis(smooth(y), 1, 0), d)
-    nodes = _grid(shape)
+    shape = node_counts(at.norm, lambda y: np.moveaxis(smooth(apart(y)), 1, 0), d)
+    nodes = apart(_grid(shape))
     numbers = np.moveaxis(smooth(nodes), 1, 0)
     grid, slopes = numbers.reshape(-1, *shape, len(at.norm)), []
     for k in sloped:
@@ -111,7 +115,8 @@ def bake(
         slopes.append(np.moveaxis(interpolant(x, own, at.norm)(nodes), 1, 0))
     drawn = np.stack([lobes(t) for t in at.tables])
     coarse = tuple(min(n, LOBES[d]) for n in shape)
-    rest = interpolant(x, drawn.reshape(len(drawn), 1, -1), np.eye(drawn[0].size))(_grid(coarse))
+    between = interpolant(x, drawn.reshape(len(drawn), 1, -1), np.eye(drawn[0].size))
+    rest = between(apart(_grid(coarse)))
     return Slabs(
         shape=shape,
         first=at.tables[0],

@@ -269,6 +269,7 @@ def test_a_spectral_slab_has_the_medium_of_each_wavelength(spectral):
     bsdf = load(mi, SLABS["paper"] | given, "neural_layered")
     si, to = all_sides(64)
     si.wavelengths = mi.Spectrum(440, 520, 580, 640)
+    assert len(bsdf._layers.axes) == 1  # of wavelengths, however many parameters are coloured
     medium = {k: [x.numpy()[0] for x in bsdf.coats[0].at(si)[k]][:3] for k in colours}
     assert np.ptp(medium["sigma_t"]) > 1
     described = urushi.slab(0.4, 1.4, **MEDIUM | medium)
@@ -277,6 +278,20 @@ def test_a_spectral_slab_has_the_medium_of_each_wavelength(spectral):
     expected *= np.abs(wo[:, 2:])
     found = bsdf.eval(mi.BSDFContext(), si, to).numpy().T[:, :3]
     assert (np.abs(found - expected).sum(axis=0) < 0.05 * expected.sum(axis=0)).all()
+
+
+def test_a_spectral_slab_follows_its_colours(spectral):
+    slab = SLABS["pane"] | {"sigma_t": {"type": "rgb", "value": [0.4, 1.0, 3.0]}}
+    brighter = slab | {"sigma_t": {"type": "rgb", "value": [0.4, 1.05, 3.0]}}
+    bsdf, loaded = (load(mi, x, "neural_layered") for x in (slab, brighter))
+    parameters = mi.traverse(bsdf)
+    key = "sigma_t.values"
+    parameters[key] = mi.traverse(loaded)[key]
+    parameters.update()
+    si, to = all_sides(64)
+    si.wavelengths = mi.Spectrum(440, 520, 580, 640)
+    context = mi.BSDFContext()
+    np.testing.assert_array_equal(bsdf.eval(context, si, to), loaded.eval(context, si, to))
 
 
 def test_samples_of_a_textured_slab_follow_the_density(rgb):

@@ -104,7 +104,7 @@ class NeuralSlab(CoatedSurface):
         if len(axes) > AXES:
             self._refuse(f"{len(axes)} parameters vary, but a slab has tables along {AXES}")
         sloped = [k for k, x in enumerate(layers.axes) if x.differentiable]
-        slabs = bake(axes, sloped, layers.changes, layers.at, _lobes)
+        slabs = bake(axes, sloped, layers.changes, layers.at, _lobes, layers.apart)
         first, self._faint = slabs.first, slabs.faint
         self._etas, self._indices = [eta for _, eta in first.faces], first.indices
         self._within = [[(index, eta) for index, _, eta in side] for side in first.inner]

@@ -25,7 +25,7 @@ from urushi.textures.axes import LINEAR, Axis, Varying
 from urushi.textures.layering import transported_rests
 
 #: Parts of the spectrum in which a material's changes with the wavelength are found.
-WAVELENGTHS = 128
+WAVELENGTHS = 512
 
 #: Wavelengths that measured spectra have, many of them no others [nm].
 MEASURED = (400.0, 700.0)
@@ -140,11 +140,13 @@ def wavelength_ends(layer: Layer) -> tuple[float, float]:
 
 
 def wavelengths_varying(wavelengths: np.ndarray, changes: np.ndarray) -> Varying:
-    """The wavelength as a parameter, on an axis along which the material changes evenly.
+    """The wavelength as a parameter, on an axis along which the material changes about evenly.
+
+    A half of the axis is even in the wavelength: where nothing changes, the material is known, too.
 
     changes: (N,) amounts by which it changes between even wavelengths (N + 1,) [nm].
     """
-    places = np.append(0, np.cumsum(changes + changes.sum() / len(changes) * 0.2 + 1e-9))
+    places = np.append(0, np.cumsum(changes + changes.mean() + 1e-9))
     places /= places[-1]
     table, (first, last) = Interpolated(places[:, None]), wavelengths[[0, -1]].tolist()
 

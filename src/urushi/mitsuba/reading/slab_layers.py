@@ -7,21 +7,25 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi.checks import MIN_ALPHA
+from urushi.core.namespace import NUMPY
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.reading.coated_rows import WAVELENGTHS, wavelengths_varying
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.mitsuba.reading.ranges import range_of
+from urushi.mitsuba.reading.rows import along_u
 from urushi.mitsuba.reading.varying import (
     CHANGES,
     COAT,
     RANGES,
+    WAVELENGTH,
     agree,
     joined,
     of_coat,
     parameter_along,
 )
 from urushi.mitsuba.snapshot import has_gradients
-from urushi.textures.axes import REFLECTANCE, WIDTH, Axis, Changes, Varying
+from urushi.textures.axes import REFLECTANCE, WIDTH, Axis, Changes, Leader, Varying
 
 #: Difference of channels that are the same up to rounding.
 ALIKE = 1e-5
@@ -54,14 +58,14 @@ class SlabLayers:
         """
         parts = [(x, level) for level, coat in enumerate(coats) for x in _of_coat(coat)]
         parts += [(x, len(coats)) for x in _of_interface(lowest or {})]
-        every = joined([_of_level(*part) for part in parts])
-        self._places = {
-            x.axis.name: (level, own.axis.name)
-            for x, (own, level) in zip(every, parts, strict=True)
-        }
-        self.axes = [x for x in every if not (x.changes or x.leader)]
+        wavelength, coloured = _of_wavelength(coats)
+        every = joined([_of_level(*part) for part in parts]) + coloured
+        names = [(x.axis.name, x.axis.name.split()) for x in every]
+        self._places = {name: (int(level), field) for name, (level, field) in names}
+        self.axes = [x for x in every if not (x.changes or x.leader)] + wavelength
         self.led = [x for x in every if x.leader]
         self.constants = [x for x in every if x.changes]
+        self._spectra = [x.leader.own for x in coloured if x.leader]
         rows = [coat.layering(spectrum.MIDDLE) for coat in coats]
         channels = max(x.size for row in rows for x in row[2:])
         self._media = np.array(
@@ -69,8 +73,9 @@ class SlabLayers:
         )
         self._interfaces = np.array([*((*row.alpha.flat, *row.eta.flat) for row in rows), beyond])
         self._shared = lowest is None
-        for x in (*self.axes, *self.led):  # any number
-            self._set(self._interfaces, self._media, x.axis.name, 0.5)
+        for x in every:
+            if not x.changes:  # any number
+                self._set(self._interfaces, self._media, x.axis.name, 0.5)
         if (self._media == self._media[..., :1]).all():
             self._media = self._media[..., :1]
 
@@ -95,12 +100,29 @@ class SlabLayers:
         for x in self.led:
             if x.leader is not None:
                 given[x.axis.name] = float(x.leader.at(given[x.leader.name]))
+        given.pop(WAVELENGTH, None)
         for name, value in given.items():
             self._set(*layers, name, value)
         for x, change in zip(self.constants, numbers[len(self.axes) :], strict=True):
             now = self._row(*layers, x.axis.name)
             self._set(*layers, x.axis.name, now + change * self.share(x))
         return layers
+
+    def apart(self, x: np.ndarray) -> np.ndarray:
+        """Coordinates (n, d') by whose distances slabs differ, of those (n, d) along the axes.
+
+        In place of the wavelength they have those of all constants that follow it: where the
+        spectrum of a constant returns to a value, the slab may return to what it was.
+        """
+        columns = [*x.T]
+        if self._spectra:
+            place = columns.pop()
+            columns += [
+                own.axis.coordinate(own.leader.at(place), NUMPY)
+                for own in self.led
+                if own.leader is not None and own.leader.name == WAVELENGTH
+            ]
+        return np.stack(columns, axis=1) if columns else x
 
     def lie_within(self, other: "SlabLayers") -> bool:
         """Whether these layers are among those along the axes of others."""
@@ -109,7 +131,8 @@ class SlabLayers:
             [*self._places] == [*other._places]
             and [x.differentiable for x in self.axes] == [x.differentiable for x in other.axes]
             and all(b.axis.contains(a.axis) for a, b in pairs)
-            and all(agree(b, a) for a, b in zip(self.led, other.led, strict=False))
+            and all(map(agree, other.led, self.led))
+            and all(map(np.array_equal, self._spectra, other._spectra))
             and not (self.constants or other.constants)
             and np.array_equal(self._interfaces, other._interfaces)
             and np.array_equal(self._media, other._media)
@@ -146,23 +169,42 @@ def _of_level(parameter: Varying, level: int) -> Varying:
 def _of_coat(coat: CoatTextures) -> list[Varying]:
     """The parameters of a coat that vary or carry gradients, without its index.
 
-    In spectral variants, coloured constants vary, too: by the wavelength.
+    In spectral variants, a coloured constant that carries a gradient varies, too.
     """
     found = {x.axis.name: x for x in of_coat(coat, [n for n in coat.names if n != "eta"])}
-    for name in MEDIUM if mi.is_spectral else ():
-        own = found.get(name)
-        if own is not None and not own.changes:
-            continue
-
-        def read(si, active, name=name) -> list:
-            return coat.at(si, active)[name]
-
-        with spectrum.reading_at(spectrum.FINE):
-            values = spectrum.channels_at(spectrum.MIDDLE, read)
-        if np.ptp(values) > ALIKE:
-            axis = Axis(name, COAT[name][0], float(values.min()), float(values.max()), True)
-            found[name] = Varying(axis, read, differentiable=own is not None)
+    for name, own in found.items() if mi.is_spectral else ():
+        if own.changes and name in MEDIUM:
+            with spectrum.reading_at(spectrum.FINE):
+                values = spectrum.channels_at(spectrum.MIDDLE, own.read)
+            if np.ptp(values) > ALIKE:
+                axis = own.axis._replace(least=values.min(), most=values.max(), own=True)
+                found[name] = own._replace(axis=axis, changes=None)
     return [*found.values()]
+
+
+def _of_wavelength(coats: Sequence[CoatTextures]) -> tuple[list[Varying], list[Varying]]:
+    """The wavelength, if constants are coloured in a spectral variant, and these constants.
+
+    They follow the wavelength, along whose axis all of them together change evenly.
+    """
+    found = []
+    nm = np.linspace(*spectrum.ENDS, WAVELENGTHS + 1)
+    for level, coat in enumerate(coats if mi.is_spectral else ()):
+        known = [x.axis.name for x in of_coat(coat, [*MEDIUM])]
+        with spectrum.reading_at(nm.astype(np.float32)):
+            rows = coat.numbers(along_u(len(nm)))
+        for name in MEDIUM:
+            (row,) = rows[name]
+            if name not in known and np.ptp(row) > ALIKE:
+                axis = Axis(name, COAT[name][0], float(row.min()), float(row.max()), own=True)
+                found.append((_of_level(Varying(axis, lambda *_: []), level), row))
+    if not found:
+        return [], []
+    changes = sum(np.abs(np.diff(x.axis.coordinate(row, NUMPY))) for x, row in found)
+    along = wavelengths_varying(nm, changes)
+    assert along.places is not None  # for the type checker
+    leaders = [Leader(WAVELENGTH, along.places[0], row) for _, row in found]
+    return [along], [x._replace(leader=y) for (x, _), y in zip(found, leaders, strict=True)]
 
 
 def _of_interface(textures: Mapping[str, "mi.Texture"]) -> list[Varying]:
