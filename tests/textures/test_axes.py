@@ -10,7 +10,16 @@ from urushi.textures.interpolation import interpolant, points
 
 
 @pytest.mark.parametrize(
-    "scale", [axes.WIDTH, axes.DEPTH, axes.REFLECTANCE, axes.LINEAR, axes.ALBEDO, axes.INDEX]
+    "scale",
+    [
+        axes.WIDTH,
+        axes.DEPTH,
+        axes.REFLECTANCE,
+        axes.LINEAR,
+        axes.ALBEDO,
+        axes.INDEX,
+        axes.WAVELENGTH,
+    ],
 )
 def test_coordinates_are_inverse_to_values(scale):
     axis = Axis("x", scale, 0.02, 0.9)
@@ -44,7 +53,7 @@ def test_simplices_interpolate_linear_functions_exactly(dimensions):
 @pytest.mark.parametrize("dimensions", [1, 3])
 def test_interpolants_take_their_values(dimensions):
     """Of points that coincide but for rounding, their mean."""
-    x = points(dimensions, 40)
+    x = points([16] * dimensions, 40)
     values = np.sin(3 * x.sum(axis=1))[:, None]
     found = interpolant(x, values, np.eye(1))
     np.testing.assert_allclose(found(x), values, atol=1e-4)
@@ -56,7 +65,7 @@ def test_interpolants_take_their_values(dimensions):
 
 def test_interpolants_find_the_coordinates_that_matter():
     """Two of six: as accurate as if the others did not exist."""
-    x, other = points(6, 200), np.random.default_rng(0).random((100, 6))
+    x, other = points([16] * 6, 200), np.random.default_rng(0).random((100, 6))
 
     def values(y):
         return np.exp(-4 * y[:, 1:2]) + y[:, 4:5] ** 2

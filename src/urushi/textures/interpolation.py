@@ -1,15 +1,12 @@
 """Interpolation by radial functions, and points of the unit cube that they interpolate."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from urushi.core.probe_pairs import even_points
 from urushi.parallel import fill_blocks
-
-#: Steps between the values of a coordinate at these points.
-LEVELS = 16
 
 #: Values that are interpolated at once: bounds memory.
 BLOCK = 2048
@@ -24,15 +21,15 @@ CHOOSING, ROUNDS = 160, 2
 RIDGE = 1e-11
 
 
-def points(dimensions: int, count: int) -> np.ndarray:
+def points(levels: Sequence[int], count: int) -> np.ndarray:
     """At most `count` points (n, d) of the unit cube: its corners, and others that are denser near
     its ends.
 
-    The others are `even_points`, at `LEVELS` + 1 values of each coordinate: what
-    depends on one parameter alone is computed once for each value.
+    The others are `even_points`. A coordinate has one value more than its `levels`: what depends
+    on one parameter alone is computed once for each value.
     """
-    corners = np.array(list(np.ndindex(*[2] * dimensions)), float)[: count // 2]
-    others = np.rint(even_points(count - len(corners), dimensions) * LEVELS) / LEVELS
+    corners = np.array(list(np.ndindex(*[2] * len(levels))), float)[: count // 2]
+    others = np.rint(even_points(count - len(corners), len(levels)) * levels) / levels
     return np.unique(np.concatenate([corners, 0.5 - 0.5 * np.cos(np.pi * others)]), axis=0)
 
 

@@ -71,7 +71,8 @@ class PointCodes:
         self._model, self._axes, self._rows = model, axes, rows
         self._constants = len(constants)
         count = len(axes)
-        self.x = points(count, POINTS[model.widths][count - 1]) if count else np.zeros((1, 0))
+        levels = [axis.levels for axis in axes]
+        self.x = points(levels, POINTS[model.widths][count - 1]) if count else np.zeros((1, 0))
         parts, weights = [self._transported(self.x, np.zeros((1, self._constants)))], []
         for changes, unit in zip(constants.values(), np.eye(self._constants), strict=True):
             own = slope_weights(np.array([changes]), np.zeros(1))[0]

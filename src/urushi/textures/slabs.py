@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from urushi.core import table
 from urushi.material.slab_table import SlabTables, slab_tables
-from urushi.textures.axes import DARK, Axis, Changes
+from urushi.textures.axes import DARK, LEVELS, Axis, Changes
 from urushi.textures.baking import node_counts
 from urushi.textures.interpolation import interpolant, left_out, points
 from urushi.textures.point_codes import slope_weights
@@ -96,7 +96,7 @@ def bake(
     """
     d, known = len(axes), dict[bytes, SlabTables]()
     for part in PARTS:
-        x = points(d, POINTS[d] // part) if axes else np.zeros((1, 0))
+        x = points([LEVELS] * d, POINTS[d] // part) if axes else np.zeros((1, 0))
         at = _at_points(x, axes, changes, layers, known)
         if not axes or left_out(apart(x), at.numbers[:, 0], at.norm) < ENOUGH:
             break

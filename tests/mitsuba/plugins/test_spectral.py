@@ -5,9 +5,11 @@ import numpy as np
 import pytest
 from tests.mitsuba.probes import in_white_world, strip
 
+from urushi.core.direction_sets import cosine_pairs
 from urushi.core.namespace import NUMPY
 from urushi.measured.rgl import srgb_weights
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.reading.probing import interaction
 
 pytestmark = pytest.mark.usefixtures("spectral")
 
@@ -67,6 +69,28 @@ def test_saturated_colours_are_those_of_the_walk(name):
     walk, coat = (in_white_world(material(plugin)) for plugin in ("layered", "neural_layered"))
     error = np.abs(coat - walk)
     np.testing.assert_array_less(error, tolerance * np.abs(walk) + least * walk.max())
+
+
+def test_codes_along_the_wavelength_are_those_of_constants():
+    """Spectra that are steps, in a textured coat: at every wavelength f is that of numbers."""
+    colours = {"albedo": (0.12, 0.93, 0.99), "sigma_t": (2.9, 0.45, 2.9)}
+    base = {"type": "diffuse", "reflectance": COLOR | {"value": (0.89, 0.82, 0.48)}}
+    coat = {"type": "neural_layered", "alpha": strip(0.45, 0.48), "base": base}
+    bsdf = mi.load_dict(coat | {name: COLOR | {"value": x} for name, x in colours.items()})
+    reflectance = mi.load_dict(base["reflectance"])
+    wi, wo = cosine_pairs(np.random.default_rng(0), 256)
+    si, errors = interaction(wi, np.full((len(wi), 2), 0.5)), []
+    for nanometres in np.linspace(410, 690, 11):
+        si.wavelengths = mi.Spectrum(nanometres)
+        numbers = {name: float(bsdf._coat.at(si)[name][0][0]) for name in colours}
+        below = base | {"reflectance": float(reflectance.eval(si)[0][0])}
+        constant = mi.load_dict(coat | numbers | {"alpha": 0.465, "base": below})
+        found, f = (
+            x.eval(mi.BSDFContext(), si, mi.Vector3f(*wo.T)).numpy()[0] for x in (bsdf, constant)
+        )
+        errors.append(np.abs(found - f).sum() / f.sum())
+    assert np.mean(errors) < 0.005
+    assert max(errors) < 0.03
 
 
 def test_grey_is_grey_and_white_returns_no_more_than_one():

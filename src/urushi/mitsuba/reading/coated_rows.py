@@ -18,10 +18,10 @@ from urushi.mitsuba.reading.bottoms import Layer
 from urushi.mitsuba.reading.grid import within
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS
 from urushi.mitsuba.reading.rows import BottomRows, NestedRows, along_u, wavelengths_of
-from urushi.mitsuba.reading.varying import NANOMETRES, WAVELENGTH
+from urushi.mitsuba.reading.varying import NANOMETRES
 from urushi.mitsuba.tables import Interpolated
 from urushi.nets.weights import Model
-from urushi.textures.axes import LINEAR, Axis, Varying
+from urushi.textures.axes import WAVELENGTH, Axis, Varying
 from urushi.textures.layering import transported_rests
 
 #: Parts of the spectrum in which a material's changes with the wavelength are found.
@@ -154,5 +154,7 @@ def wavelengths_varying(wavelengths: np.ndarray, changes: np.ndarray) -> Varying
         return [table([(x - first) * (1 / (last - first))])[0] for x in si.wavelengths]
 
     return Varying(
-        Axis(WAVELENGTH, LINEAR, 0.0, 1.0, own=True), read, places=np.stack([places, wavelengths])
+        Axis(WAVELENGTH, WAVELENGTH, 0.0, 1.0, own=True),
+        read,
+        places=np.stack([places, wavelengths]),
     )

@@ -24,9 +24,9 @@ from urushi.mitsuba.reading.changed import derived, relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.parameters import Medium
 from urushi.mitsuba.reading.probing import known_surface
-from urushi.mitsuba.reading.varying import BOTTOM, INSIDE, NANOMETRES, WAVELENGTH
+from urushi.mitsuba.reading.varying import BOTTOM, INSIDE, NANOMETRES
 from urushi.nets.weights import Model
-from urushi.textures.axes import Varying
+from urushi.textures.axes import WAVELENGTH, Varying
 from urushi.textures.layering import different
 from urushi.textures.point_codes import FAINT
 

@@ -18,14 +18,13 @@ from urushi.mitsuba.reading.varying import (
     CHANGES,
     COAT,
     RANGES,
-    WAVELENGTH,
     agree,
     joined,
     of_coat,
     parameter_along,
 )
 from urushi.mitsuba.snapshot import has_gradients
-from urushi.textures.axes import REFLECTANCE, WIDTH, Axis, Changes, Leader, Varying
+from urushi.textures.axes import REFLECTANCE, WAVELENGTH, WIDTH, Axis, Changes, Leader, Varying
 
 #: Difference of channels that are the same up to rounding.
 ALIKE = 1e-5

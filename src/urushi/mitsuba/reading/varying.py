@@ -22,7 +22,7 @@ from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.ranges import INDICES, range_of, texel_centres
 from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
 from urushi.textures import axes
-from urushi.textures.axes import Axis, Changes, Leader, Varying
+from urushi.textures.axes import WAVELENGTH, Axis, Changes, Leader, Varying
 
 #: All values of a parameter, by its scale.
 RANGES = {
@@ -71,9 +71,8 @@ PARTS, POINTS = 512, 1 << 14
 #: Within a part, the mean and the largest change of the coordinate of what follows from it.
 MEAN, MOST = 0.01, 0.1
 
-#: Name of the axis of wavelengths, of the wavelengths on it [nm], and start of the names of a
-#: bottom's parameters.
-WAVELENGTH, NANOMETRES, BOTTOM = "wavelength", "nm", "bottom."
+#: Name of the wavelengths on their axis [nm], and start of the names of a bottom's parameters.
+NANOMETRES, BOTTOM = "nm", "bottom."
 
 
 def varying_parameters(
