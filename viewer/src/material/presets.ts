@@ -62,14 +62,21 @@ export function groupOf({ name }: MaterialCards): string {
 /** A material's name, and whether it is of the library but was changed. */
 export function titleOf(material: MaterialCards): string {
   const original = PRESETS.find(({ name }) => name === material.name);
-  const content = ({ solo, ...rest }: MaterialCards) =>
-    JSON.stringify(
-      Object.entries(rest)
-        .filter(([, value]) => value !== false)
-        .sort(),
-    );
-  const isModified = original !== undefined && content(original) !== content(material);
+  const isModified = original !== undefined && contentOf(original) !== contentOf(material);
   return isModified ? `${material.name} (modified)` : material.name;
+}
+
+/** What a material is, as a text, whatever the order of its parameters. */
+function contentOf({ solo, ...content }: MaterialCards): string {
+  return JSON.stringify(content, (_key, value) =>
+    typeof value !== "object" || Array.isArray(value)
+      ? value
+      : Object.fromEntries(
+          Object.entries(value)
+            .filter(([, own]) => own !== false)
+            .sort(),
+        ),
+  );
 }
 
 /** The material of the library of a name. */

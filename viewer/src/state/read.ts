@@ -3,6 +3,7 @@
 import type { Channels } from "../core/api";
 import { mapped, rgb } from "../material/channels";
 import {
+  BARE,
   type BottomInAir,
   type CoatCard,
   type MaterialCards,
@@ -43,8 +44,14 @@ export function readMaterial(value: unknown): MaterialCards {
     coats: coats.map(readCoat),
     ...(fields.energyCompensation === true ? { energyCompensation: true } : {}),
     ...("rotation" in fields ? { rotation: within(-180, 180, 0)(fields.rotation) } : {}),
-    solo: [...coats.keys(), coats.length].find((id) => id === solo) ?? null,
+    solo: solo === BARE ? BARE : idOf(coats, solo),
   };
+}
+
+/** The id that the coat of another id gets when it is read; null: there is none. */
+function idOf(coats: readonly unknown[], id: unknown): number | null {
+  const place = coats.findIndex((coat, place) => (Object(coat).id ?? place + 1) === id);
+  return place < 0 ? null : place + 1;
 }
 
 function readCoat(value: unknown, place: number): CoatCard {

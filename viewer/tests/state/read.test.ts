@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import { BARE, moved, stackOf, withoutCoat } from "../../src/material/material";
 import { PRESETS } from "../../src/material/presets";
 import { Refusal } from "../../src/refusal";
 import { readMaterial, readState } from "../../src/state/read";
@@ -70,6 +71,19 @@ test("widths across the tangent, the angle and codes of anisotropic networks are
   expect(readMaterial({ bottom: codes }).bottom).toMatchObject({ widths: 2 });
   expect(readMaterial({ bottom, rotation: 500 }).rotation).toBe(180);
   expect(readMaterial({ bottom: { ...bottom, alphaV: 7 } }).bottom).toMatchObject({ alphaV: 1 });
+});
+
+test("the solo coat stays the same after coats were moved and removed", () => {
+  const given = { bottom: BOTTOM, coats: [0.1, 0.2, 0.3].map((alpha) => ({ alpha })) };
+  const material = moved(readMaterial(given), 0, 2);
+  for (const solo of [1, 2, 3])
+    expect(stackOf(readMaterial({ ...material, solo })).coats).toEqual(
+      stackOf({ ...material, solo }).coats,
+    );
+  const last = withoutCoat(withoutCoat({ ...material, solo: 3 }, 1), 2);
+  expect(readMaterial(last)).toMatchObject({ coats: [{ alpha: 0.3 }], solo: 1 });
+  expect(readMaterial({ ...material, solo: 4 }).solo).toBe(null);
+  expect(readMaterial({ ...material, solo: BARE }).solo).toBe(BARE);
 });
 
 test("a background is a colour or one of two words", () => {
