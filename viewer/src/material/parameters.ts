@@ -13,6 +13,8 @@ export interface Parameter {
   slide?: number;
   /** The slider's place is the value's root of this degree, from `low`. */
   power: number;
+  /** Steps of the slider; 500 if left out. */
+  steps?: number;
   /** Value after a double click. */
   fallback: Channels;
   /** Whether it is a colour, which a swatch shows. */
@@ -35,10 +37,11 @@ export const GLOSS: Parameter = {
   low: 0,
   high: 1,
   power: 1,
+  steps: 100,
   fallback: 0.7,
 };
 
-/** Gloss of a width: its place on the slider of widths, from the other end. */
+/** Gloss of a width, in steps of its slider: the width's place on its own, from the other end. */
 export function glossOf(alpha: number): number {
   return Number((1 - placeOf(width, alpha)).toFixed(2));
 }
@@ -190,16 +193,36 @@ export function clamped({ low, high }: Parameter, value: number): number {
 }
 
 /** Place of a value on the slider, in [0, 1]. */
-export function placeOf(parameter: Parameter, value: number): number {
-  const range = (parameter.slide ?? parameter.high) - parameter.low;
-  const share = Math.min(Math.max((value - parameter.low) / range, 0), 1);
-  return share ** (1 / parameter.power);
+export function placeOf({ low, high, slide = high, power }: Parameter, value: number): number {
+  return Math.min(Math.max((value - low) / (slide - low), 0), 1) ** (1 / power);
 }
 
 /** Value at a place of the slider, with three digits. */
 export function valueAt(parameter: Parameter, place: number): number {
-  const range = (parameter.slide ?? parameter.high) - parameter.low;
-  return clamped(parameter, rounded(parameter.low + range * place ** parameter.power));
+  const { low, high, slide = high, power } = parameter;
+  return clamped(parameter, rounded(low + (slide - low) * place ** power));
+}
+
+/** The step of the slider that is nearest to a value. */
+export function stepOf(parameter: Parameter, value: number): number {
+  return Math.round(placeOf(parameter, value) * stepsOf(parameter));
+}
+
+/**
+ * Value at a step of the slider, or at the nearest one beyond it of another value than the present:
+ * where several steps have the same rounded value, the arrow keys would not get on.
+ */
+export function valueBeyond(parameter: Parameter, step: number, present: number): number {
+  const steps = stepsOf(parameter);
+  const way = Math.sign(step - stepOf(parameter, present));
+  let at = step;
+  while (way !== 0 && at > 0 && at < steps && valueAt(parameter, at / steps) === present) at += way;
+  return valueAt(parameter, at / steps);
+}
+
+/** Number of steps of the slider. */
+export function stepsOf({ steps = 500 }: Parameter): number {
+  return steps;
 }
 
 /** A number with at most three digits after the point, and at least two that count. */

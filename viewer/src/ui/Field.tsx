@@ -5,7 +5,14 @@ import type { ComponentChildren } from "preact";
 import type { Channels } from "../core/api";
 import { COLOURS, each, joined, type Rgb, rgb } from "../material/channels";
 import { fromHex, hex } from "../material/colour";
-import { type Parameter, placeOf, rounded, valueAt } from "../material/parameters";
+import {
+  type Parameter,
+  rounded,
+  stepOf,
+  stepsOf,
+  valueAt,
+  valueBeyond,
+} from "../material/parameters";
 import { Button } from "./Button";
 import { NumberField } from "./NumberField";
 import { Slider } from "./Slider";
@@ -24,8 +31,7 @@ interface FieldProps {
   onChange: (value: Channels, kind: string) => void;
 }
 
-/** Steps of a slider, and the places at which its track's colour is computed. */
-const STEPS = 500;
+/** Places of a slider at which its track's colour is computed. */
 const STOPS = [0, 0.2, 0.4, 0.6, 0.8, 1];
 
 export function Field(props: FieldProps) {
@@ -68,10 +74,10 @@ export function Field(props: FieldProps) {
           name={own}
           text={String(shown)}
           low={0}
-          high={STEPS}
+          high={stepsOf(parameter)}
           step={1}
-          value={Math.round(placeOf(parameter, shown) * STEPS)}
-          onInput={(place) => set(channel, valueAt(parameter, place / STEPS))}
+          value={stepOf(parameter, shown)}
+          onInput={(step) => set(channel, valueBeyond(parameter, step, shown))}
           onReset={reset}
         />
         <NumberField

@@ -41,7 +41,8 @@ export function NumberField({ name, value, low, high, onChange }: NumberFieldPro
         const way = { ArrowUp: 1, ArrowDown: -1 }[key];
         if (way === undefined) return;
         event.preventDefault();
-        const size = (value >= 1 ? 0.1 : value >= 0.1 ? 0.01 : 0.001) * (event.shiftKey ? 10 : 1);
+        const amount = Math.abs(value);
+        const size = (amount >= 1 ? 0.1 : amount >= 0.1 ? 0.01 : 0.001) * (event.shiftKey ? 10 : 1);
         set(field, Number((value + way * size).toFixed(4)));
       }}
     />

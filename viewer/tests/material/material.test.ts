@@ -13,11 +13,17 @@ import {
   withoutCoat,
 } from "../../src/material/material";
 import {
+  alphaOf,
   BOTTOM_PARAMETERS,
   COAT_PARAMETERS,
+  GLOSS,
+  glossOf,
   type Parameter,
   placeOf,
+  stepOf,
+  stepsOf,
   valueAt,
+  valueBeyond,
 } from "../../src/material/parameters";
 
 const COAT = { alpha: 0.1, ior: 1.5, albedo: 0, sigmaT: 0, g: 0 };
@@ -131,16 +137,34 @@ test("removing the solo coat shows the others", () => {
   expect(widths(withoutCoat({ ...THREE, solo: 1 }, 1))).toEqual([0.3]);
 });
 
-test.each(Object.entries({ ...COAT_PARAMETERS, ...BOTTOM_PARAMETERS }) as [string, Parameter][])(
-  "%s: the slider reaches all of its range and gives back its values",
+const PARAMETERS = { ...COAT_PARAMETERS, ...BOTTOM_PARAMETERS, GLOSS };
+
+test.each(Object.entries<Parameter>(PARAMETERS))(
+  "%s: the slider reaches all of its range and gives back its values, step by step",
   (_name, parameter) => {
     const end = parameter.slide ?? parameter.high;
     expect(valueAt(parameter, 0)).toBeCloseTo(parameter.low, 3);
     expect(valueAt(parameter, 1)).toBeCloseTo(end, 3);
     for (const place of [0.1, 0.35, 0.5, 0.77, 0.95])
       expect(placeOf(parameter, valueAt(parameter, place))).toBeCloseTo(place, 1);
+    // An arrow key moves on from wherever the slider is.
+    for (const [way, last] of [
+      [1, stepsOf(parameter)],
+      [-1, 0],
+    ] as const) {
+      let value = valueAt(parameter, way > 0 ? 0 : 1);
+      while (stepOf(parameter, value) !== last) {
+        const next = valueBeyond(parameter, stepOf(parameter, value) + way, value);
+        expect(way * (next - value)).toBeGreaterThan(0);
+        value = next;
+      }
+    }
   },
 );
+
+test("every step of the gloss is a width of its own", () => {
+  for (let step = 0; step <= 100; step++) expect(glossOf(alphaOf(step / 100))).toBe(step / 100);
+});
 
 describe("colours", () => {
   test("sRGB's curve and its inverse", () => {
