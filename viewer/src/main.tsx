@@ -12,7 +12,9 @@ import { App } from "./ui/App";
 import { keepFocus } from "./ui/focus";
 import "./style.css";
 
-const addressed = location.hash.length > 1;
+/** Whether the address holds a state; one without says nothing. */
+const isAddressed = () => location.hash.length > 1;
+const addressed = isAddressed();
 if (addressed) showRead(() => fromAddress(location.hash), false);
 
 // The address follows the state, but not at every step: browsers allow few changes in a second.
@@ -32,12 +34,13 @@ effect(() => {
   document.title = `${titleOf(material.value)} · Urushi`;
 });
 window.addEventListener("hashchange", () => {
-  if (location.hash !== written) showRead(() => fromAddress(location.hash), true);
+  if (isAddressed() && location.hash !== written) showRead(() => fromAddress(location.hash), true);
 });
 
 window.addEventListener("keydown", (event) => {
   const key = event.ctrlKey || event.metaKey ? event.key.toLowerCase() : "";
-  const isText = event.target instanceof HTMLInputElement && event.target.type === "text";
+  const isText =
+    event.target instanceof HTMLInputElement && ["text", "search"].includes(event.target.type);
   if (isText || (key !== "z" && key !== "y")) return; // a text has an undo of its own
   event.preventDefault();
   if (key === "y" || event.shiftKey) redo();

@@ -117,29 +117,33 @@ export class Slot {
   private async work(): Promise<void> {
     if (this.busy) return;
     this.busy = true;
-    try {
-      while (this.wanted !== null) {
-        const shown = this.wanted;
-        this.wanted = null;
-        const { core, material } = await this.cores.material(shown);
-        const first = await this.table(core, material, 0);
-        this.core = core;
-        this.widths = core.widths;
-        this.rotation = shown.rotation;
-        this.material = material;
-        this.texture = shown.texture;
-        this.generation++;
-        this.tables = [first];
-        this.page.changed();
-        this.albedoIsOld = true;
-        await this.drawPlane();
+    while (this.wanted !== null) {
+      const shown = this.wanted;
+      this.wanted = null;
+      try {
+        await this.compute(shown);
+      } catch (error) {
+        if (this.wanted !== null) continue; // nobody waits for it any more
+        this.key = "";
+        this.page.failed(error, () => this.show(this.latest!));
       }
-    } catch (error) {
-      this.key = "";
-      this.page.failed(error, () => this.show(this.latest!));
-    } finally {
-      this.busy = false;
     }
+    this.busy = false;
+  }
+
+  private async compute(shown: Shown): Promise<void> {
+    const { core, material } = await this.cores.material(shown);
+    const first = await this.table(core, material, 0);
+    this.core = core;
+    this.widths = core.widths;
+    this.rotation = shown.rotation;
+    this.material = material;
+    this.texture = shown.texture;
+    this.generation++;
+    this.tables = [first];
+    this.page.changed();
+    this.albedoIsOld = true;
+    await this.drawPlane();
   }
 
   /** Compute the albedo, which is slow, when nothing has changed for a while. */

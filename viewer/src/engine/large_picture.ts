@@ -4,7 +4,7 @@ import { effect } from "@preact/signals";
 import { Painter } from "../picture/painter";
 import { Renderer } from "../picture/renderer";
 import type { Shot } from "../picture/shot";
-import { Cancelled } from "../refusal";
+import { Cancelled, Refusal } from "../refusal";
 import { asTask } from "../state/store";
 import type { Slot } from "./engine";
 
@@ -77,12 +77,21 @@ function gathered(
     });
     effect(() => {
       told(painter.gathered.value);
-      if (painter.converged.value) resolve();
+      if (!painter.converged.value) return;
+      if (renderer.isLost) reject(new Refusal("The graphics driver has ended it; save it again."));
+      else resolve();
     });
   });
 }
 
-/** A canvas's picture as PNG. */
+/**
+ * A canvas's picture as PNG.
+ *
+ * @throws Refusal if it is too large.
+ */
 export async function blobOf(canvas: HTMLCanvasElement): Promise<Blob> {
-  return (await new Promise<Blob | null>((resolve) => canvas.toBlob(resolve)))!;
+  const blob = await new Promise<Blob | null>((resolve) => canvas.toBlob(resolve));
+  if (blob === null)
+    throw new Refusal("The browser cannot save so large a picture; make the window smaller.");
+  return blob;
 }

@@ -5,6 +5,7 @@ import { TensorFile } from "../core/safetensors";
 import type { BottomInAir, MaterialCards, TexelBottom } from "../material/material";
 import { isTexture } from "../material/texture";
 import { Refusal } from "../refusal";
+import { text } from "../state/json";
 import { readState } from "../state/read";
 import { asTask, change, changeMaterial, complain, notice } from "../state/store";
 import { readMaterialFile } from "./material_file";
@@ -48,7 +49,7 @@ async function openFile(file: File): Promise<void> {
   } else if (suffix === "safetensors") {
     const cores = session.value?.cores;
     if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
-    const name = file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
+    const name = text("Material")(file.name.replace(/\.[a-z]+$/i, ""));
     const material = { name, ...(await materialOf(cores, bytes)), coats: [], solo: null };
     opened.value = [material, ...opened.value.filter((other) => other.name !== name)];
     changeMaterial(material);

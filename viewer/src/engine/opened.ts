@@ -12,9 +12,10 @@ import type { Light, Panorama } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readTemplate, texelShaderText } from "../save/shader";
 import { nameOf } from "../save/zip";
+import { text } from "../state/json";
 import type { State } from "../state/state";
 import { change, state } from "../state/store";
-import { byOwnWorker, type PageCore } from "./remote";
+import { byOwnWorker, once, type PageCore } from "./remote";
 
 /** Things by their names, whose readers follow changes. */
 class Kept<Thing> {
@@ -99,14 +100,17 @@ export function logsOfBytes(bytes: Uint8Array<ArrayBuffer>): Float32Array {
   return logs;
 }
 
+/** The name of a file, as a state that is read has it. */
+const fileLabel = text("file");
+
 /** Show a mesh. */
-export function useMesh(name: string, own: Mesh): void {
-  change({ object: "own", mesh: meshes.keep(name, own) });
+export function useMesh(file: string, own: Mesh): void {
+  change({ object: "own", mesh: meshes.keep(fileLabel(file), own) });
 }
 
 /** Light the object by a panorama. */
-export function useEnvironment(name: string, own: OwnEnvironment): void {
-  panoramas.keep(name, own);
+export function useEnvironment(file: string, own: OwnEnvironment): void {
+  const name = panoramas.keep(fileLabel(file), own);
   const { environment, panorama } = state.peek();
   if (environment !== "own" || panorama !== name) change({ environment: "own", panorama: name });
 }
@@ -130,14 +134,15 @@ export function panoramaOf({ environment, panorama }: State): OwnEnvironment | n
 }
 
 /** What is known of each mesh's occlusion; its worker has no networks. */
-const occlusions = new WeakMap<Mesh, Promise<Occlusion>>();
+const occlusions = new WeakMap<Mesh, () => Promise<Occlusion>>();
 
 export function occlusionOf(mesh: Mesh): Promise<Occlusion> {
   let known = occlusions.get(mesh);
   if (known === undefined) {
     const { vertices, faces } = mesh;
-    known = byOwnWorker("occlusion", [vertices, VERTEX_NUMBERS, faces, groundSize(mesh)]);
+    const args = [vertices, VERTEX_NUMBERS, faces, groundSize(mesh)] as const;
+    known = once(() => byOwnWorker("occlusion", [...args]));
     occlusions.set(mesh, known);
   }
-  return known;
+  return known();
 }

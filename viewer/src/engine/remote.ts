@@ -23,20 +23,24 @@ const ANISOTROPIC_WEIGHTS = "anisotropic.safetensors";
 /** Largest ratio of two widths that is layered, as in Python. */
 const MOST_RATIO = 10;
 
-/** The cores: one for isotropic materials, and one for others, which starts when it is needed. */
-export class Cores {
-  private second: Promise<PageCore> | null = null;
-
-  constructor(readonly isotropic: PageCore) {}
-
-  /** @throws Refusal if it cannot be loaded. */
-  anisotropic(): Promise<PageCore> {
-    this.second ??= connect(ANISOTROPIC_WEIGHTS).catch((error) => {
-      this.second = null; // another try may succeed
+/** What is made once, when it is first asked for; after a failure another try may succeed. */
+export function once<T>(make: () => Promise<T>): () => Promise<T> {
+  let made: Promise<T> | null = null;
+  return () => {
+    made ??= make().catch((error) => {
+      made = null;
       throw error;
     });
-    return this.second;
-  }
+    return made;
+  };
+}
+
+/** The cores: one for isotropic materials, and one for others, which starts when it is needed. */
+export class Cores {
+  /** @throws Refusal if it cannot be loaded. */
+  readonly anisotropic = once(() => connect(ANISOTROPIC_WEIGHTS));
+
+  constructor(readonly isotropic: PageCore) {}
 
   /**
    * What is shown of a stack, which may have a table of its own, and its core.
@@ -79,6 +83,7 @@ export async function byOwnWorker<Name extends keyof FileCalls>(
     end?.addEventListener("abort", () => reject(new Cancelled()));
   });
   try {
+    if (end?.aborted) throw new Cancelled();
     const result = new Remote<FileCalls>(worker).call(name, args, transfer);
     return await Promise.race([result, broken, ended]);
   } finally {
@@ -102,5 +107,10 @@ export async function connect(path = WEIGHTS): Promise<PageCore> {
     const networks = await remote.call("load", [bytes.buffer], [bytes.buffer]);
     return { ...(Object.fromEntries(methods) as PageCore), ...networks };
   };
-  return Promise.race([load(), broken]);
+  try {
+    return await Promise.race([load(), broken]);
+  } catch (error) {
+    worker.terminate();
+    throw error;
+  }
 }

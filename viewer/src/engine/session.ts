@@ -33,7 +33,7 @@ import {
   tables,
   textures,
 } from "./opened";
-import { Cores, connect } from "./remote";
+import { Cores, connect, once } from "./remote";
 
 /** Whether the light that the object hides is being computed. */
 export const occluding = signal(false);
@@ -125,7 +125,7 @@ export class Session {
       .then((occlusion) => {
         if (isShown()) this.renderer?.setOcclusion(occlusion);
       })
-      .catch(complain)
+      .catch((error) => complain(error, () => this.show(this.mesh.peek())))
       .finally(() => {
         if (isShown()) occluding.value = false;
       });
@@ -239,11 +239,19 @@ export class Session {
 /** The page's session, once the networks are there. */
 export const session = signal<Session | null>(null);
 
+/** The session, as soon as it is there. */
+export async function presentSession(): Promise<Session> {
+  while (session.peek() === null) await new Promise((resolve) => setTimeout(resolve, 100));
+  return session.peek()!;
+}
+
+const isotropicCore = once(() => connect());
+
 /** Load the networks and begin, with the material that the page was opened for unless `addressed`. */
 export async function begin(addressed: boolean): Promise<void> {
   loading.value = true;
   try {
-    const [core, start] = await Promise.all([connect(), readStart()]);
+    const [core, start] = await Promise.all([isotropicCore(), readStart()]);
     if ("texture" in start) await keepTexture(await readBytes(String(start.texture)), core);
     if ("table" in start) keepTable(logsOfBytes(await readBytes(String(start.table))));
     if ("materials" in start && !addressed) showRead(() => readState(start), false);
@@ -269,26 +277,24 @@ async function readBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
 
 /** Materials that lie beside the page as files. */
 export const stored = signal<readonly MaterialCards[]>([]);
-let reading: Promise<void> | null = null;
 
-/** Read what lies beside the page, once; what is wrong is told. */
-export function readStored(): Promise<void> {
-  reading ??= readAll().catch((error) => {
-    reading = null;
-    complain(error, () => void readStored());
-  });
-  return reading;
-}
-
-async function readAll(): Promise<void> {
-  while (session.peek() === null) await new Promise((resolve) => setTimeout(resolve, 100));
+const readAll = once(async () => {
+  const { isotropic } = (await presentSession()).cores;
   const { stored: files = {} } = (await readStart()) as { stored?: Record<string, string> };
   for (const [name, path] of Object.entries(files).slice(stored.value.length)) {
-    const { bottom } = readMaterialFile(
-      new TensorFile(await readBytes(path)),
-      session.value!.cores.isotropic,
-    );
+    const { bottom } = readMaterialFile(new TensorFile(await readBytes(path)), isotropic);
     stored.value = [...stored.value, { name, bottom, coats: [], solo: null }];
+  }
+});
+
+/** Read what lies beside the page, once; returns whether it is read. What is wrong is told. */
+export async function readStored(): Promise<boolean> {
+  try {
+    await readAll();
+    return true;
+  } catch (error) {
+    complain(error, () => void readStored());
+    return false;
   }
 }
 
@@ -314,8 +320,8 @@ function tableOf({ bottom, name }: MaterialCards, { coats }: Stack): FTable | un
   const { table, besideLobe = false } = bottom;
   const logs = tables.get(table);
   if (logs !== undefined) return { logs, besideLobe };
-  void readStored().then(() => {
-    if (tables.get(table) === undefined)
+  void readStored().then((isRead) => {
+    if (isRead && tables.get(table) === undefined)
       complain(new Refusal(`${lost(`table of “${name}”`)} It is shown by its codes.`));
   });
   return undefined;

@@ -5,7 +5,7 @@ import { Renderer } from "../picture/renderer";
 import type { Shot } from "../picture/shot";
 import { INITIAL } from "../state/state";
 import { TABLE_SIZES } from "./engine";
-import { session, shownOf } from "./session";
+import { presentSession, shownOf } from "./session";
 
 const SHOT: Shot = {
   ...INITIAL,
@@ -28,7 +28,12 @@ export function thumbnailOf(material: MaterialCards): Promise<ImageBitmap | null
   let picture = drawn.get(material);
   if (picture === undefined) {
     waiting++;
-    picture = last.then(() => draw(material)).catch(() => null);
+    picture = last
+      .then(() => draw(material))
+      .catch(() => {
+        drawn.delete(material); // another try may succeed
+        return null;
+      });
     drawn.set(material, picture);
     last = picture.then(() => {
       if (--waiting > 0) return;
@@ -40,10 +45,10 @@ export function thumbnailOf(material: MaterialCards): Promise<ImageBitmap | null
 }
 
 async function draw(material: MaterialCards): Promise<ImageBitmap | null> {
-  while (session.peek() === null) await new Promise((resolve) => setTimeout(resolve, 100));
+  const { cores } = await presentSession();
   const shown = shownOf(material);
   if (shown === null) return null;
-  const { core, material: codes } = await session.peek()!.cores.material(shown);
+  const { core, material: codes } = await cores.material(shown);
   const sizes = TABLE_SIZES[core.widths];
   const table = await core.table(codes, { ...sizes, shift: [0, 0, 0] });
   if (renderer === null) {

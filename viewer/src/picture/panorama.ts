@@ -39,6 +39,9 @@ const BRIGHT = 60;
 /** Lights of this width are one [cosine]. */
 const SAME_LIGHT = Math.cos((5 * Math.PI) / 180);
 
+/** The largest number of half precision, in which the graphics card has a panorama. */
+const MOST_RADIANCE = 65504;
+
 /** The panorama without its small bright lights, and these. */
 export function withoutLights(panorama: Panorama): { panorama: Panorama; lights: Light[] } {
   const { width, height, pixels } = panorama;
@@ -83,6 +86,7 @@ export function withoutLights(panorama: Panorama): { panorama: Panorama; lights:
       light.direction = light.sum.map((part) => part / length);
     }
   }
+  for (let at = 0; at < kept.length; at++) if (kept[at] > MOST_RADIANCE) kept[at] = MOST_RADIANCE;
   const lights = found.map(({ direction, power }) => ({
     direction: [direction[0], direction[1], direction[2]] as const,
     power: [power[0], power[1], power[2]] as const,

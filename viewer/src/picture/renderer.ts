@@ -309,6 +309,11 @@ export class Renderer {
     return performance.now() - start;
   }
 
+  /** Whether the graphics driver has taken the context away, so that nothing is drawn any more. */
+  get isLost(): boolean {
+    return this.gl.isContextLost();
+  }
+
   /** Give the graphics memory back. */
   dispose(): void {
     this.gl.getExtension("WEBGL_lose_context")?.loseContext();

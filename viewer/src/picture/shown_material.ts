@@ -85,12 +85,14 @@ export class ShownMaterial {
   setTexels(codes: ShownTexture | null): void {
     if (codes === this.codes) return;
     this.codes = codes;
-    if (this.texels !== null) {
-      this.gl.deleteTexture(this.texels.texture);
-      this.gl.deleteTexture(this.texels.basis);
-      this.texels.program.delete();
+    const { gl, texels } = this;
+    this.texels = null;
+    if (texels !== null) {
+      gl.deleteTexture(texels.texture);
+      gl.deleteTexture(texels.basis);
+      texels.program.delete();
     }
-    this.texels = codes && texelProgram(this.gl, codes);
+    this.texels = codes && texelProgram(gl, codes);
   }
 
   /**

@@ -24,6 +24,12 @@ export interface TexelProgram {
  */
 export function texelProgram(gl: Gl, shown: ShownTexture): TexelProgram {
   const { texture: codes, shader, basis } = shown;
+  const most = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
+  const [width, height] = codes.size;
+  if (Math.max(width, height) > most)
+    throw new Refusal(
+      `The texture has ${width} by ${height} texels; the graphics driver takes ${most} a side.`,
+    );
   const layers = Math.max(Math.ceil(codes.usedBytes / 4), 1);
   const source = included(texelsSource, { "frame.glsl": frameSource, "material.glsl": shader });
   const program = new Program(gl, source.replaceAll("LAYERS", String(layers)), {
@@ -67,12 +73,7 @@ export function tableTexels({ logs }: FTable): Float32Array {
 /** An array texture: four bytes of the texels a layer, as Python's `textures.gpu` has it. */
 function uploaded(gl: Gl, codes: CodeTexture, layers: number): WebGLTexture {
   const { size, texels, texelBytes } = codes;
-  const most = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
   const [width, height] = size;
-  if (Math.max(width, height) > most)
-    throw new Refusal(
-      `The texture has ${width} by ${height} texels; the graphics driver takes ${most} a side.`,
-    );
   const target = gl.TEXTURE_2D_ARRAY;
   const texture = gl.createTexture()!;
   gl.activeTexture(gl.TEXTURE0);

@@ -26,7 +26,7 @@ export function oneOf<T>(all: readonly T[], first: T): Reader<T> {
 }
 
 export function text(first: string): Reader<string> {
-  return (value) => (typeof value === "string" && value.trim().slice(0, 80)) || first;
+  return (value) => (typeof value === "string" && value.trim().slice(0, 80).trim()) || first;
 }
 
 /** An object of fields. */

@@ -143,7 +143,14 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
           aria-valuenow={incidence}
           aria-valuetext={`${incidence} degrees`}
           onKeyDown={(event) => {
-            const step = { ArrowLeft: 1, ArrowUp: -1, ArrowRight: -1, ArrowDown: 1 }[event.key];
+            const step = {
+              ArrowLeft: 1,
+              ArrowUp: -1,
+              ArrowRight: -1,
+              ArrowDown: 1,
+              Home: -89,
+              End: 89,
+            }[event.key];
             if (step === undefined) return;
             event.preventDefault();
             const next = incidence + step * (event.shiftKey ? 10 : 1);

@@ -130,12 +130,15 @@ function Picture() {
       onDblClick={() => look({ view: INITIAL.view })}
       onKeyDown={(event) => {
         const { view } = state.value;
+        const hasControl = event.ctrlKey || event.metaKey;
+        // With other keys they are the browser's: it goes back, and enlarges the page.
+        if (event.altKey || (hasControl && !event.key.startsWith("Arrow"))) return;
         if (event.key === "Home") look({ view: INITIAL.view });
         const x = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
         const y = { ArrowUp: 1, ArrowDown: -1 }[event.key];
         const zoom = { "+": 1.1, "=": 1.1, "-": 1 / 1.1 }[event.key];
         const [along, upward] = view.pan;
-        if ((x ?? y) !== undefined && (event.ctrlKey || event.metaKey))
+        if ((x ?? y) !== undefined && hasControl)
           turn({ pan: [along + 0.1 * (x ?? 0), upward + 0.1 * (y ?? 0)] });
         else if (x !== undefined && event.shiftKey) light(5 * x);
         else if (x !== undefined) turn({ azimuth: view.azimuth + 5 * x });
@@ -256,7 +259,14 @@ function Edge() {
         set((event.clientX - box.left) / box.width);
       }}
       onKeyDown={(event) => {
-        const step = { ArrowLeft: -0.02, ArrowRight: 0.02 }[event.key];
+        const step = {
+          ArrowLeft: -0.02,
+          ArrowDown: -0.02,
+          ArrowRight: 0.02,
+          ArrowUp: 0.02,
+          Home: -1,
+          End: 1,
+        }[event.key];
         if (step === undefined) return;
         event.preventDefault();
         set(edge + step);

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import { partsOf } from "../../src/engine/large_picture";
+import { blobOf, partsOf } from "../../src/engine/large_picture";
+import { Refusal } from "../../src/refusal";
 
 test.each([
   [1320, 640],
@@ -16,3 +17,8 @@ test.each([
     expect(part.width / part.height / (width / height)).toBeCloseTo(1, 1);
   },
 );
+
+test("a canvas that is too large to be saved is told", async () => {
+  const tooLarge = { toBlob: (callback: BlobCallback) => callback(null) } as HTMLCanvasElement;
+  await expect(blobOf(tooLarge)).rejects.toThrow(Refusal);
+});

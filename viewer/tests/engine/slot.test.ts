@@ -1,11 +1,15 @@
 import { expect, test, vi } from "vitest";
 import type { Stack } from "../../src/core/api";
 import { type Shown, Slot } from "../../src/engine/engine";
-import { Cores, type PageCore } from "../../src/engine/remote";
+import { Cores, once, type PageCore } from "../../src/engine/remote";
+import { Refusal } from "../../src/refusal";
 
-/** A core that answers late, with the stack's first width in every number. */
 const table = { logs: new Float32Array(), besideLobe: true };
 
+/** The width of a coat that cannot be layered. */
+const BROKEN = 0.875;
+
+/** A core that answers late, with the stack's first width in every number. */
 function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
   const layered: number[] = [];
   const shifts: number[] = [];
@@ -19,6 +23,7 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
       const width = stack.coats[0].alpha as number;
       layered.push(width);
       await late();
+      if (width === BROKEN) throw new Refusal("It cannot be layered.");
       return { latents: new Float32Array([width]), table };
     },
     f: async (material, wi) => new Float32Array(wi.length).fill(material.latents[0]),
@@ -38,12 +43,11 @@ function shown(alpha: number): Shown {
   return { stack, rotation: 0, texture: null };
 }
 
-function slotOf(core: PageCore): Slot {
+/** A slot, and what it has complained about. */
+function slotOf(core: PageCore, complaints: unknown[] = []): Slot {
   return new Slot(new Cores(core), {
     changed: () => {},
-    failed: (error) => {
-      throw error;
-    },
+    failed: (error) => complaints.push(error),
     incidence: () => 45,
   });
 }
@@ -87,4 +91,28 @@ test("tables at rest are shifted, and belong to the present material", async () 
   expect(slot.tables).toHaveLength(1);
   expect([...slot.tables[0]]).toEqual([0.25]);
   expect(new Set(shifts.slice(0, 4)).size).toBe(4); // of the first, and of three at rest
+});
+
+test("what fails is told, unless a later change has taken its place, which is shown", async () => {
+  const complaints: unknown[] = [];
+  const slot = slotOf(lateCore().core, complaints);
+  slot.show(shown(BROKEN));
+  slot.show(shown(0.5));
+  await settled(slot, 0.5);
+  expect(complaints).toEqual([]);
+  slot.show(shown(BROKEN));
+  await vi.waitFor(() => expect(complaints).toHaveLength(1));
+  slot.show(shown(0.25));
+  await settled(slot, 0.25);
+});
+
+test("what is made once is made again after a failure", async () => {
+  let tries = 0;
+  const made = once(async () => {
+    if (++tries === 1) throw new Refusal("The file could not be fetched.");
+    return tries;
+  });
+  await expect(made()).rejects.toThrow(Refusal);
+  expect(await Promise.all([made(), made()])).toEqual([2, 2]);
+  expect(await made()).toBe(2);
 });

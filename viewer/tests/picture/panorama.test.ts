@@ -49,6 +49,13 @@ describe("bright lights", () => {
     }
   });
 
+  test("what is left of a panorama in large units fits numbers of half precision", () => {
+    const large = panorama.pixels.map((value) => 1e5 * value);
+    const left = withoutLights({ width, height, pixels: large });
+    expect(left.lights).toHaveLength(2);
+    expect(Math.max(...left.panorama.pixels)).toBeLessThan(65505);
+  });
+
   test("an even panorama has none", () => {
     const even = { width, height, pixels: new Float32Array(3 * width * height).fill(2) };
     expect(withoutLights(even)).toEqual({ panorama: even, lights: [] });
