@@ -40,8 +40,10 @@ export function Presets({ onChosen }: { onChosen: () => void }) {
     const down = { ArrowUp: -1, ArrowDown: 1 }[key];
     let next: HTMLElement | null | undefined;
     if (event.target === search.current) {
-      if (key === "Enter") choose(all[0]);
-      else if (down === 1) next = buttons[0];
+      if (key === "Enter") {
+        event.preventDefault(); // the button that has the focus then would open the menu again
+        choose(all[0]);
+      } else if (down === 1) next = buttons[0];
     } else if (beside !== undefined) next = buttons[at + beside];
     else if (down !== undefined) next = nearest(buttons, buttons[at], down) ?? search.current;
     else if (key === "Home") next = buttons[0];

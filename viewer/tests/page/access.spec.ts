@@ -119,6 +119,14 @@ test("the menu of materials is one stop of the keyboard, with arrows, and a sear
   await expect(page.locator(".menu.presets li")).toHaveText(["Celadon"]);
   await page.keyboard.press("Enter");
   await expect(page.getByLabel("Name of the material")).toHaveValue("Celadon");
+  await expect(page.locator(".menu.presets .panel")).toHaveCount(0);
+
+  await page.getByRole("button", { name: /choose another/ }).press("Enter");
+  await expect(material("Celadon")).toBeFocused();
+  await page.keyboard.type("g");
+  await page.keyboard.press("Control+z"); // of what was typed
+  await page.keyboard.press("Escape");
+  await expect(page.getByLabel("Name of the material")).toHaveValue("Celadon");
 });
 
 test("tooltips are read by keyboard and touch, type grows, and numbers are not cut off", async ({

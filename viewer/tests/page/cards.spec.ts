@@ -36,7 +36,16 @@ test("a slider moves by mouse and keyboard, its number is typed, a double click 
   await expect.poll(value).toBeLessThan(dragged);
   await page.keyboard.press("Home");
   await expect(field).toHaveValue("0.01");
+  await page.keyboard.press("ArrowRight"); // steps of the same rounded value are one
+  await expect(field).toHaveValue("0.0101");
+  await enter(page, "Coat 2, Gloss", 0.5);
+  await page.getByRole("slider", { name: "Coat 2, Gloss" }).press("ArrowRight");
+  await expect(number(page, "Coat 2, Gloss")).toHaveValue("0.51");
 
+  const direction = number(page, "Coat 2, Direction g");
+  await enter(page, "Coat 2, Direction g", -0.5);
+  await direction.press("ArrowUp");
+  await expect(direction).toHaveValue("-0.49");
   const index = number(page, "Coat 2, Index n");
   for (const [typed, shown] of [
     ["1.4", "1.4"],
@@ -270,6 +279,9 @@ test("two widths have sliders and an angle, and the address holds the state; a d
   await page.goto("./#u2.abc.eyJtYXRlcmlhbHMi");
   await expect(page.getByRole("alert")).toContainText("The address is incomplete");
   await page.getByRole("button", { name: "Close" }).click();
+  await page.evaluate(() => {
+    location.hash = ""; // an address that says nothing
+  });
   await expect(page.getByRole("alert")).toHaveCount(0);
   await expect(angle).toHaveValue("45");
 });

@@ -84,8 +84,11 @@ test("two materials are compared by a swipe, and by a difference that is dark wh
       return left[0] > left[2] && right[2] > right[0];
     })
     .toBe(true);
-  await edge.focus();
-  for (let step = 0; step < 8; step++) await page.keyboard.press("ArrowRight");
+  await edge.press("End");
+  await expect(edge).toHaveAttribute("aria-valuenow", "98");
+  await edge.press("Home");
+  await expect(edge).toHaveAttribute("aria-valuenow", "2");
+  for (let step = 0; step < 32; step++) await page.keyboard.press("ArrowRight");
   await expect(edge).toHaveAttribute("aria-valuenow", "66");
   await expect
     .poll(async () => {
@@ -310,6 +313,18 @@ test.describe("in a small picture", () => {
     await expect(drawing).toBeVisible();
     await page.getByRole("button", { name: "Cancel" }).click();
     await expect(drawing).toHaveCount(0);
+
+    await page.evaluate(() => {
+      const draw = WebGL2RenderingContext.prototype.drawElements;
+      WebGL2RenderingContext.prototype.drawElements = function (...args) {
+        draw.apply(this, args);
+        const isShown = this.canvas instanceof HTMLCanvasElement && this.canvas.isConnected;
+        if (!isShown) this.getExtension("WEBGL_lose_context")?.loseContext();
+      };
+    });
+    await page.getByRole("button", { name: "Save", exact: true }).click();
+    await page.getByRole("button", { name: "2 ×" }).click();
+    await expect(page.getByRole("alert")).toContainText("The graphics driver has ended it");
   });
 });
 

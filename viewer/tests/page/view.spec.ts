@@ -18,8 +18,11 @@ test("the camera is moved by pointer, keyboard and menu; its turntable heeds a w
   // By half heights of the picture
   await expect.poll(async () => (await view(page)).pan[0]).toBeCloseTo(0.5, 1);
   expect((await view(page)).pan[1]).toBeCloseTo(0.25, 1);
+  await page.keyboard.press("Control+="); // the browser's, as is the next
+  await page.keyboard.press("Alt+ArrowRight");
   await page.keyboard.press("Control+ArrowLeft");
   await expect.poll(async () => (await view(page)).pan[0]).toBeCloseTo(0.4, 1);
+  expect(await view(page)).toMatchObject({ azimuth: 20, zoom: 1 });
 
   await page.getByRole("button", { name: "View", exact: true }).click();
   await page.getByRole("slider", { name: "Field of view" }).press("ArrowRight");
@@ -54,6 +57,10 @@ test("the picture fills the screen, plots fold away, and a material has another 
   await expect(angle).toBeInViewport();
   expect(await height()).toBe(before); // the picture keeps its place
   await expect.poll(async () => (await stateOf(page)).plots).toBe(true);
+  await angle.press("End");
+  await expect(angle).toHaveAttribute("aria-valuenow", "89");
+  await angle.press("Home");
+  await expect(angle).toHaveAttribute("aria-valuenow", "0");
   await plots.click();
   await page.getByLabel("Name of the material").fill("Tray 7");
   await page.keyboard.press("Enter");
