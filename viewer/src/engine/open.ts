@@ -32,41 +32,43 @@ export async function openFiles(files: readonly File[]): Promise<void> {
 }
 
 async function openFile(file: File): Promise<void> {
-  const bytes = await bytesOf(file);
-  const suffix = file.name.toLowerCase().split(".").pop();
+  await bytesOf(file.slice(0, 1)); // a folder has none
+  const suffix = file.name.toLowerCase().split(".").pop()!;
   if (suffix === "hdr" || suffix === "exr") {
+    const bytes = await bytesOf(file);
     const own = await asTask("Reading the panorama", (end) =>
       byOwnWorker("readPanorama", [bytes, suffix], [bytes.buffer], end),
     );
     useEnvironment(file.name, { file, ...own });
-  } else if (MESHES.includes(suffix!)) {
+  } else if (MESHES.includes(suffix)) {
+    const bytes = await bytesOf(file);
     const mesh = await asTask("Reading the mesh", (end) =>
-      byOwnWorker("readMesh", [bytes, suffix!], [bytes.buffer], end),
+      byOwnWorker("readMesh", [bytes, suffix], [bytes.buffer], end),
     );
     useMesh(file.name, mesh);
   } else if (suffix === "json") {
-    change(readState(parsed(bytes)));
+    change(readState(parsed(await bytesOf(file))));
   } else if (suffix === "safetensors") {
     const cores = session.value?.cores;
     if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
     const name = text("Material")(file.name.replace(/\.[a-z]+$/i, ""));
-    const material = { name, ...(await materialOf(cores, bytes)), coats: [], solo: null };
+    const read = await materialOf(cores, await bytesOf(file));
+    const material = { name, ...read, coats: [], solo: null };
     opened.value = [material, ...opened.value.filter((other) => other.name !== name)];
     changeMaterial(material);
-  } else if (suffix === "binary" || suffix === "bsdf") {
-    throw new Refusal(`Python encodes measured BRDFs: run urushi view ${file.name}.`);
-  } else if (suffix === "mtlx") {
-    throw new Refusal(
-      "Python reads MaterialX: run urushi convert, and urushi view with the scene that it writes.",
-    );
-  } else {
-    throw new Refusal(
-      "The page opens materials (.safetensors), panoramas (.hdr, .exr), meshes (.obj, .glb, .gltf, .ply) and saved states (.json).",
-    );
-  }
+  } else throw new Refusal(adviceOn(suffix, file.name));
 }
 
-async function bytesOf(file: File): Promise<Uint8Array<ArrayBuffer>> {
+/** What to do with a file that the page does not open. */
+function adviceOn(suffix: string, name: string): string {
+  if (suffix === "binary" || suffix === "bsdf")
+    return `Python encodes measured BRDFs: run urushi view ${name}.`;
+  if (suffix === "mtlx")
+    return "Python reads MaterialX: run urushi convert, and urushi view with the scene that it writes.";
+  return "The page opens materials (.safetensors), panoramas (.hdr, .exr), meshes (.obj, .glb, .gltf, .ply) and saved states (.json).";
+}
+
+async function bytesOf(file: Blob): Promise<Uint8Array<ArrayBuffer>> {
   try {
     return new Uint8Array(await file.arrayBuffer());
   } catch {

@@ -240,7 +240,7 @@ export class Session {
 export const session = signal<Session | null>(null);
 
 /** The session, as soon as it is there. */
-export async function presentSession(): Promise<Session> {
+export async function startedSession(): Promise<Session> {
   while (session.peek() === null) await new Promise((resolve) => setTimeout(resolve, 100));
   return session.peek()!;
 }
@@ -279,7 +279,7 @@ async function readBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
 export const stored = signal<readonly MaterialCards[]>([]);
 
 const readAll = once(async () => {
-  const { isotropic } = (await presentSession()).cores;
+  const { isotropic } = (await startedSession()).cores;
   const { stored: files = {} } = (await readStart()) as { stored?: Record<string, string> };
   for (const [name, path] of Object.entries(files).slice(stored.value.length)) {
     const { bottom } = readMaterialFile(new TensorFile(await readBytes(path)), isotropic);

@@ -5,7 +5,7 @@ import { Renderer } from "../picture/renderer";
 import type { Shot } from "../picture/shot";
 import { INITIAL } from "../state/state";
 import { TABLE_SIZES } from "./engine";
-import { presentSession, shownOf } from "./session";
+import { shownOf, startedSession } from "./session";
 
 const SHOT: Shot = {
   ...INITIAL,
@@ -45,7 +45,7 @@ export function thumbnailOf(material: MaterialCards): Promise<ImageBitmap | null
 }
 
 async function draw(material: MaterialCards): Promise<ImageBitmap | null> {
-  const { cores } = await presentSession();
+  const { cores } = await startedSession();
   const shown = shownOf(material);
   if (shown === null) return null;
   const { core, material: codes } = await cores.material(shown);
