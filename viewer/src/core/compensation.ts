@@ -10,15 +10,12 @@
 
 import type { Coat, Material } from "./api";
 import { CHANNELS, rows } from "./channels";
-import type { Evaluation } from "./evaluation";
 import { clampedLog, nodePairs } from "./f_table";
-import { APPEARANCE, coatedColor, multipleAlbedo } from "./formulas";
+import { coatedColor, multipleAlbedo } from "./formulas";
 import { type Loss, lossAt, mirrorLoss, surfaceLoss } from "./interface_loss";
 import { passedBothWays, reflectance } from "./lobe";
 import { gaussLegendre } from "./quadrature";
 import { coatOfChannel } from "./surfaces";
-
-const { WI, WO } = APPEARANCE;
 
 /** What a surface loses in a channel, and the colour in which it is given back. */
 export interface LostLight {
@@ -26,14 +23,8 @@ export interface LostLight {
   readonly colour: number;
 }
 
-/** That of a coat over a material. */
-export function lostByCoat(
-  coat: Coat,
-  below: Material,
-  core: Pick<Evaluation, "albedo" | "f">,
-): LostLight[] {
-  const reflected = core.albedo(below, Float32Array.of(1));
-  const seen = core.f(below, Float32Array.from(WI), Float32Array.from(WO));
+/** That of a coat over a material of an albedo (3) at the normal, and of f (3) away from mirrors. */
+export function lostByCoat(coat: Coat, reflected: Float32Array, seen: Float32Array): LostLight[] {
   const mean = (values: Float32Array) => (values[0] + values[1] + values[2]) / 3;
   const diffuse = (Math.PI * mean(seen)) / Math.max(mean(reflected), 1e-6);
   const mirrored = Math.min(Math.max(1 - diffuse, 0), 1);

@@ -95,32 +95,27 @@ export class Program {
       [gl.SAMPLER_CUBE]: gl.TEXTURE_CUBE_MAP,
       [gl.SAMPLER_2D_ARRAY]: gl.TEXTURE_2D_ARRAY,
     };
-    const vectors: Record<number, "uniform2fv" | "uniform3fv" | "uniform4fv"> = {
-      [gl.FLOAT_VEC2]: "uniform2fv",
-      [gl.FLOAT_VEC3]: "uniform3fv",
-      [gl.FLOAT_VEC4]: "uniform4fv",
-    };
-    const matrices: Record<number, "uniformMatrix3x2fv" | "uniformMatrix3fv" | "uniformMatrix4fv"> =
-      {
-        [gl.FLOAT_MAT3x2]: "uniformMatrix3x2fv",
-        [gl.FLOAT_MAT3]: "uniformMatrix3fv",
-        [gl.FLOAT_MAT4]: "uniformMatrix4fv",
-      };
+    const kinds = {
+      [gl.FLOAT_VEC2]: (place, value) => gl.uniform2fv(place, value),
+      [gl.FLOAT_VEC3]: (place, value) => gl.uniform3fv(place, value),
+      [gl.FLOAT_VEC4]: (place, value) => gl.uniform4fv(place, value),
+      [gl.FLOAT_MAT3x2]: (place, value) => gl.uniformMatrix3x2fv(place, false, value),
+      [gl.FLOAT_MAT3]: (place, value) => gl.uniformMatrix3fv(place, false, value),
+      [gl.FLOAT_MAT4]: (place, value) => gl.uniformMatrix4fv(place, false, value),
+      [gl.FLOAT]: (place, value) => gl.uniform1f(place, Number(value)),
+    } as Record<number, (place: WebGLUniformLocation | null, value: never) => void>;
     gl.useProgram(program);
     let units = 0;
     for (let k = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) - 1; k >= 0; k--) {
       const { name, type } = gl.getActiveUniform(program, k)!;
       const place = gl.getUniformLocation(program, name);
-      const [target, vector, matrix] = [targets[type], vectors[type], matrices[type]];
-      const unit = units;
+      const [target, unit] = [targets[type], units];
       if (target) gl.uniform1i(place, units++);
       this.setters.set(name.replace("[0]", ""), (value) => {
         if (target) {
           gl.activeTexture(gl.TEXTURE0 + unit);
           gl.bindTexture(target, value as WebGLTexture);
-        } else if (vector) gl[vector](place, value as number[]);
-        else if (matrix) gl[matrix](place, false, value as number[]);
-        else if (type === gl.FLOAT) gl.uniform1f(place, Number(value));
+        } else if (kinds[type]) kinds[type](place, value as never);
         else gl.uniform1i(place, Number(value));
       });
     }

@@ -4,6 +4,7 @@ import type { Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
 import type { Widths } from "../core/features";
 import { readFile } from "../engine/files";
+import { COLOURS } from "../material/channels";
 import type { CodeTexture, LinearNumber } from "../material/texture";
 import { Refusal } from "../refusal";
 
@@ -18,9 +19,6 @@ export const LANGUAGES = {
 } as const;
 
 export type Language = keyof typeof LANGUAGES;
-
-/** The order of the channels in a code's numbers, as templates name them. */
-const COLOURS = ["red", "green", "blue"];
 
 /**
  * The template of a language, which lies beside the page.

@@ -1,7 +1,7 @@
 /** What the tests of the page share: opening it, and what must never happen. */
 
 import { readFileSync } from "node:fs";
-import { test as base, expect, type Page } from "@playwright/test";
+import { test as base, expect, type JSHandle, type Page } from "@playwright/test";
 import { fromAddress, toAddress, toJson } from "../../src/state/address";
 import { INITIAL, type State } from "../../src/state/state";
 
@@ -148,20 +148,28 @@ export async function enter(page: Page, name: string, value: string | number): P
 
 /** What the canvas shows: red, green and blue in [0, 255] at places [pixels], and its size. */
 export async function seen(page: Page) {
-  const { width, height, text } = await page.locator(".stage canvas").evaluate((element) => {
-    const { width, height } = element as HTMLCanvasElement;
-    const context = new OffscreenCanvas(width, height).getContext("2d")!;
-    context.drawImage(element as HTMLCanvasElement, 0, 0);
-    const { data } = context.getImageData(0, 0, width, height);
-    // A list of millions of numbers would take long.
-    return { width, height, text: Object(new Uint8Array(data.buffer)).toBase64() as string };
-  });
-  const data = Buffer.from(text, "base64");
+  const bitmap = await page
+    .locator(".stage canvas")
+    .evaluateHandle((canvas) => createImageBitmap(canvas as HTMLCanvasElement));
+  const { width, height, data } = await pixelsIn(bitmap);
   const at = (x: number, y: number): number[] => {
     const first = 4 * (Math.floor(y) * width + Math.floor(x));
     return [...data.subarray(first, first + 3)];
   };
   return { width, height, at };
+}
+
+/** The pixels (RGBA, the first row at the top) of a picture in the page. */
+async function pixelsIn(bitmap: JSHandle<ImageBitmap>) {
+  const { width, height, text } = await bitmap.evaluate((bitmap) => {
+    const { width, height } = bitmap;
+    const context = new OffscreenCanvas(width, height).getContext("2d")!;
+    context.drawImage(bitmap, 0, 0);
+    const { data } = context.getImageData(0, 0, width, height);
+    // A list of millions of numbers would take long.
+    return { width, height, text: Object(new Uint8Array(data.buffer)).toBase64() as string };
+  });
+  return { width, height, data: Buffer.from(text, "base64") };
 }
 
 /** The mean colour of a part of the picture, in [0, 255]; x and y from 0 to 1. */
@@ -193,14 +201,11 @@ export function panorama(width: number, height: number, colour: number[]): Buffe
 
 /** The pixels (RGBA, the first row at the top) of a PNG file. */
 export async function pixelsOf(page: Page, file: Buffer) {
-  return page.evaluate(async (text) => {
+  const bitmap = await page.evaluateHandle((text) => {
     const bytes = Uint8Array.from(text, (character) => character.charCodeAt(0));
-    const bitmap = await createImageBitmap(new Blob([bytes]));
-    const { width, height } = bitmap;
-    const context = new OffscreenCanvas(width, height).getContext("2d")!;
-    context.drawImage(bitmap, 0, 0);
-    return { width, height, data: [...context.getImageData(0, 0, width, height).data] };
+    return createImageBitmap(new Blob([bytes]));
   }, file.toString("latin1"));
+  return pixelsIn(bitmap);
 }
 
 /** What an entry of the menu Save writes; label: the beginning of its name. */

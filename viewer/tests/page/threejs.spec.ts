@@ -42,20 +42,14 @@ async function show(page: Page, baseURL: string, samples: number): Promise<void>
   await expect(page.locator("body[data-drawn]")).toHaveCount(1);
 }
 
-/** What the screen shows at the places, in [0, 255]. */
-async function shown(page: Page): Promise<number[][]> {
-  const { data, width } = await pixelsOf(page, await page.screenshot());
-  return pixels.map(({ place: [x, y] }) =>
-    data.slice(4 * (y * width + x), 4 * (y * width + x) + 3),
-  );
-}
-
 /** The differences of the picture from what is expected, in steps of the screen. */
 async function errors(page: Page, expected: (pixel: Pixel, channel: number) => number) {
-  const colours = await shown(page);
-  return pixels.flatMap((pixel, at) =>
-    [0, 1, 2].map((k) => Math.abs(colours[at][k] - 255 * encoded(expected(pixel, k)))),
-  );
+  const { data, width } = await pixelsOf(page, await page.screenshot());
+  return pixels.flatMap((pixel) => {
+    const [x, y] = pixel.place;
+    const colour = data.subarray(4 * (y * width + x));
+    return [0, 1, 2].map((k) => Math.abs(colour[k] - 255 * encoded(expected(pixel, k))));
+  });
 }
 
 test("lights give f times irradiance and cosine, and the sky comes out by the exported sampling", {
