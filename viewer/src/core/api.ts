@@ -8,6 +8,7 @@
 
 import type { FTable } from "./f_table";
 import type { Widths } from "./features";
+import type { Vector } from "./formulas";
 
 /** One number for all channels, or one for each of red, green and blue. */
 export type Channels = number | readonly [number, number, number];
@@ -65,4 +66,12 @@ export interface DirectionSizes {
   cosines: number;
   /** Number of directions for each cosine. */
   samples: number;
+}
+
+/** The incident direction of a row of a table: cosines in the middles of cells, for each azimuth. */
+export function rowDirection(row: number, { azimuths, cosines }: DirectionSizes): Vector {
+  const z = ((row % cosines) + 0.5) / cosines;
+  const sine = Math.sqrt(1 - z * z);
+  const azimuth = (0.5 * Math.PI * Math.floor(row / cosines)) / Math.max(azimuths - 1, 1);
+  return { x: sine * Math.cos(azimuth), y: sine * Math.sin(azimuth), z };
 }

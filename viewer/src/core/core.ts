@@ -1,6 +1,13 @@
 /** The core: codes of stacks by basis, networks and energy limit, and the evaluation of materials. */
 
-import type { Bottom, Coat, DirectionSizes, Material, Stack } from "./api";
+import {
+  type Bottom,
+  type Coat,
+  type DirectionSizes,
+  type Material,
+  rowDirection,
+  type Stack,
+} from "./api";
 import { Basis } from "./basis";
 import { CHANNELS, joined, perChannel, rows } from "./channels";
 import { compensated, lostByCoat, lostByMetal } from "./compensation";
@@ -21,7 +28,8 @@ const { WI, WO } = APPEARANCE;
 
 /** Sizes of the rules for albedos of one width and of two. */
 const { POLAR_NODES, AZIMUTH_NODES, MIN_TANGENT } = QUADRATURE;
-const sizes = (widths: Widths) => [POLAR_NODES, widths * AZIMUTH_NODES, 1e-3, MIN_TANGENT] as const;
+const ruleOf = (widths: Widths) =>
+  [POLAR_NODES, widths * AZIMUTH_NODES, 1e-3, MIN_TANGENT] as const;
 
 /**
  * Read the weights.
@@ -152,7 +160,7 @@ export class NetworkCore {
       if (!(cosine > 0)) return;
       const sine = Math.sqrt(Math.max(1 - cosine * cosine, 0));
       const wi = { x: sine, y: 0, z: cosine };
-      const { wo, weights } = directionRule(wi, 1, sizes(this.widths));
+      const { wo, weights } = directionRule(wi, 1, ruleOf(this.widths));
       const own = weights.flatMap(() => [sine, 0, cosine]);
       const pairs = new Pairs(own, wo, this.widths);
       const values = this.values(material, pairs);
@@ -170,16 +178,13 @@ export class NetworkCore {
   /**
    * Directions by the proposal from one low-discrepancy sequence, the same for all rows.
    *
-   * The row of azimuth a and cosine c is for the incident direction of cosine (c + 1/2) / cosines
-   * at the azimuth a / (azimuths - 1) of a quarter turn.
+   * A row is for the incident direction of `rowDirection`.
    *
    * @param shift in [0, 1)^3 of the sequence.
    * @returns (azimuths, cosines, samples, 8): the direction wo (3), f cos / pdf (3), pdf (1), and a zero.
    */
-  table(
-    material: Material,
-    { azimuths, cosines, samples, shift }: DirectionSizes & { shift: Point },
-  ): Float32Array {
+  table(material: Material, { shift, ...sizes }: DirectionSizes & { shift: Point }): Float32Array {
+    const { azimuths, cosines, samples } = sizes;
     const result = new Float32Array(azimuths * cosines * samples * 8);
     const { proposal: parameters, arch } = this.weights;
     const proposal = proposalOf(parameters, arch.lobe, this.meanCode(material));
@@ -187,10 +192,7 @@ export class NetworkCore {
       sequencePoint(i + 1, [0.5 + shift[0], 0.5 + shift[1], 0.5 + shift[2]]),
     );
     for (let row = 0; row < azimuths * cosines; row++) {
-      const cosine = ((row % cosines) + 0.5) / cosines;
-      const sine = Math.sqrt(1 - cosine * cosine);
-      const azimuth = (0.5 * Math.PI * Math.floor(row / cosines)) / Math.max(azimuths - 1, 1);
-      const wi = { x: sine * Math.cos(azimuth), y: sine * Math.sin(azimuth), z: cosine };
+      const wi = rowDirection(row, sizes);
       const mixture = proposal(wi);
       const drawn = uniform.map((point) => sampleMixture(mixture, wi, ...point));
       const own = drawn.flatMap(() => [wi.x, wi.y, wi.z]);

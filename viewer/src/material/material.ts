@@ -1,7 +1,7 @@
 /** The material on the page: cards of coats over a bottom, and the stack that they describe. */
 
 import type { Bottom, Channels, Coat, Stack } from "../core/api";
-import { CHECKS } from "../core/formulas";
+import { CHECKS, fresnel } from "../core/formulas";
 import { Refusal } from "../refusal";
 import { type Medium, physicsOf } from "./appearance";
 import { each, joined, mapped, quotient, type Rgb, rgb } from "./channels";
@@ -94,7 +94,7 @@ export function reflectanceOf(bottom: MaterialCards["bottom"]): Rgb {
   if ("r0" in bottom) return rgb(bottom.r0);
   if (bottom.kind === "codes" || bottom.kind === "texels") return [0.5, 0.5, 0.5];
   const [eta, k] = "k" in bottom ? [rgb(bottom.eta), rgb(bottom.k)] : [rgb(bottom.ior), [0, 0, 0]];
-  return each((at) => Number((1 - (4 * eta[at]) / ((eta[at] + 1) ** 2 + k[at] ** 2)).toFixed(3)));
+  return each((at) => Number(fresnel(1, eta[at], k[at]).toFixed(3)));
 }
 
 /** Whether a coat is part of the picture. */

@@ -32,13 +32,8 @@ const width: Parameter = {
 
 /** The width in words of people: no physical quantity. */
 export const GLOSS: Parameter = {
-  label: "Gloss",
-  hint: "How sharply the surface reflects: 1 is a polished mirror, 0 is matt.",
-  low: 0,
-  high: 1,
-  power: 1,
+  ...share("Gloss", "How sharply the surface reflects: 1 is a polished mirror, 0 is matt.", 0.7),
   steps: 100,
-  fallback: 0.7,
 };
 
 /** Gloss of a width, in steps of its slider: the width's place on its own, from the other end. */
@@ -75,39 +70,35 @@ export const ANGLE: Parameter = {
   fallback: 0,
 };
 
-const SHARE = { low: 0, high: 1, power: 1 } as const;
+/** A number in [0, 1]. */
+function share(label: string, hint: string, fallback: number): Parameter {
+  return { label, hint, low: 0, high: 1, power: 1, fallback };
+}
+
+function colour(label: string, hint: string, fallback: number): Parameter {
+  return { ...share(label, hint, fallback), isColour: true };
+}
 
 /** The colour of a coat, of its dye and its pigment together. */
-export const COLOUR: Parameter = {
-  label: "Colour",
-  hint: "Colour of the coat: of its dye where it is clear, of its pigment where it is opaque.",
-  ...SHARE,
-  fallback: 1,
-  isColour: true,
-};
+export const COLOUR = colour(
+  "Colour",
+  "Colour of the coat: of its dye where it is clear, of its pigment where it is opaque.",
+  1,
+);
 
 export const COAT_PARAMETERS = {
   alpha: width,
-  color: {
-    label: "Dye",
-    hint: "Colour of a clear dye: what light keeps that passes the coat twice, at thickness 1.",
-    ...SHARE,
-    fallback: 1,
-    isColour: true,
-  },
-  body: {
-    label: "Opacity",
-    hint: "How opaque the pigment is, at thickness 1: 0 is clear, 1 is opaque paint.",
-    ...SHARE,
-    fallback: 0,
-  },
-  bodyColor: {
-    label: "Pigment",
-    hint: "Colour of an opaque layer of the pigment.",
-    ...SHARE,
-    fallback: 0.8,
-    isColour: true,
-  },
+  color: colour(
+    "Dye",
+    "Colour of a clear dye: what light keeps that passes the coat twice, at thickness 1.",
+    1,
+  ),
+  body: share(
+    "Opacity",
+    "How opaque the pigment is, at thickness 1: 0 is clear, 1 is opaque paint.",
+    0,
+  ),
+  bodyColor: colour("Pigment", "Colour of an opaque layer of the pigment.", 0.8),
   thickness: {
     label: "Thickness",
     hint: "Factor of the medium's depth.",
@@ -134,12 +125,11 @@ export const COAT_PARAMETERS = {
     power: 3,
     fallback: 0,
   },
-  albedo: {
-    label: "Scattering",
-    hint: "Single-scattering albedo of the medium: 0 only absorbs, 1 only scatters.",
-    ...SHARE,
-    fallback: 0,
-  },
+  albedo: share(
+    "Scattering",
+    "Single-scattering albedo of the medium: 0 only absorbs, 1 only scatters.",
+    0,
+  ),
   g: {
     label: "Direction g",
     hint: "Asymmetry of the scattering: above 0 forwards, below 0 backwards.",
@@ -152,13 +142,7 @@ export const COAT_PARAMETERS = {
 
 export const BOTTOM_PARAMETERS = {
   alpha: { ...width, fallback: 0.2 },
-  r0: {
-    label: "Reflectance",
-    hint: "Reflectance at normal incidence.",
-    ...SHARE,
-    fallback: 0.9,
-    isColour: true,
-  },
+  r0: colour("Reflectance", "Reflectance at normal incidence.", 0.9),
   eta: {
     label: "Index n",
     hint: "Real part of the index of refraction.",
@@ -178,13 +162,7 @@ export const BOTTOM_PARAMETERS = {
     power: 1,
     fallback: 3,
   },
-  reflectance: {
-    label: "Reflectance",
-    hint: "Reflectance of the matt surface.",
-    ...SHARE,
-    fallback: 0.5,
-    isColour: true,
-  },
+  reflectance: colour("Reflectance", "Reflectance of the matt surface.", 0.5),
 } satisfies Record<string, Parameter>;
 
 /** The nearest value that a parameter can take. */

@@ -1,6 +1,6 @@
 /** The texture of a table of directions. */
 
-import type { DirectionSizes } from "../core/api";
+import { type DirectionSizes, rowDirection } from "../core/api";
 
 /** Least squares by which the diffuse part is found, and what is above it, up to rounding. */
 const [ROUNDS, ABOVE] = [3, 1.001];
@@ -18,22 +18,20 @@ const [ROUNDS, ABOVE] = [3, 1.001];
  */
 export function directionTexels(
   table: Float32Array,
-  { azimuths, cosines, samples }: DirectionSizes,
+  sizes: DirectionSizes,
   isFirst: boolean,
 ): Float32Array {
+  const { azimuths, cosines, samples } = sizes;
   const columns = azimuths * cosines;
   const texels = new Float32Array(4 * columns * (2 * samples + 2));
   const last = texels.subarray(8 * columns * samples);
-  const diffuse = diffusePart(table, { azimuths, cosines, samples });
+  const diffuse = diffusePart(table, sizes);
   for (let column = 0; column < columns; column++) {
-    const cosine = ((column % cosines) + 0.5) / cosines;
-    const sine = Math.sqrt(1 - cosine * cosine);
-    const azimuth = (0.5 * Math.PI * Math.floor(column / cosines)) / Math.max(azimuths - 1, 1);
-    const [along, across] = [sine * Math.cos(azimuth), sine * Math.sin(azimuth)];
+    const wi = rowDirection(column, sizes);
     const rows = table.subarray(8 * column * samples, 8 * (column + 1) * samples);
     const albedo = diffuse.subarray(4 * (column % cosines), 4 * (column % cosines) + 3);
     for (let at = 0; at < rows.length; at += 8) {
-      const [x, y, z] = [rows[at] + along, rows[at + 1] + across, rows[at + 2] + cosine];
+      const [x, y, z] = [rows[at] + wi.x, rows[at + 1] + wi.y, rows[at + 2] + wi.z];
       const length = Math.hypot(x, y, z) || 1;
       const logPdf = Math.log2(Math.max(rows[at + 6], 1e-6));
       const rest = albedo.map((d, k) => rows[at + 3 + k] - d * diffuseWeight(rows, at));
