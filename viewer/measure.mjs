@@ -81,7 +81,7 @@ for (let run = 0; run < RUNS; run++) {
     for (let step = 0; step <= count; step++) {
       const start = performance.now();
       window.tables.length = window.pictures.length = 0;
-      element.value = String(Number(element.value) - 5);
+      element.value = String(Number(element.value) - 1);
       element.dispatchEvent(new Event("input", { bubbles: true }));
       const drawn = () => window.pictures.find((at) => at > window.tables[0]);
       while (drawn() === undefined) await wait(1);

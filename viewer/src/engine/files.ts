@@ -62,8 +62,11 @@ export async function startWorker(
   let worker: Worker;
   if (isDocument()) {
     const code = await readFile(path);
+    const inside = URL.createObjectURL(new Blob([code!], { type: "text/javascript" }));
     // A document that is opened as a file may start no module from inside; the code is one file.
-    worker = new Worker(URL.createObjectURL(new Blob([code!], { type: "text/javascript" })));
+    worker = new Worker(inside);
+    // Its first answer shows that the code has been read.
+    worker.addEventListener("message", () => URL.revokeObjectURL(inside), { once: true });
   } else {
     worker = new Worker(address + versionOf(path), { type: "module" });
   }

@@ -8,7 +8,7 @@ import type { Occlusion } from "../core/occlusion";
 import { TensorFile } from "../core/safetensors";
 import { type CodeTexture, readTexture } from "../material/texture";
 import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "../picture/meshes";
-import type { Light, Panorama } from "../picture/panorama";
+import type { LitPanorama } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readTemplate, texelShaderText } from "../save/shader";
 import { nameOf } from "../save/zip";
@@ -40,11 +40,9 @@ export interface ShownTexture {
   basis: Float32Array;
 }
 
-/** A panorama that was opened: its file, and what it shows without its bright lights. */
-interface OwnEnvironment {
+/** A panorama that was opened, and its file. */
+interface OwnEnvironment extends LitPanorama {
   file: File;
-  panorama: Panorama;
-  lights: Light[];
 }
 
 /** By their check sums: textures of codes, and logarithms of f as of `FTable`. */

@@ -157,7 +157,7 @@ export class Session {
     const { environment } = state.peek();
     const own = panoramaOf(state.peek());
     const slots = [this.slots[0].frozen(), this.slots[1].frozen()] as const;
-    return drawLarge(size, whole.size, slots, this.shot.peek(), (renderer) => {
+    return drawLarge(size, whole.canvas, slots, this.shot.peek(), (renderer) => {
       renderer.setMesh(mesh);
       renderer.setOcclusion(occlusion);
       renderer.setEnvironment(environment, own);
@@ -169,7 +169,8 @@ export class Session {
     if (this.renderer === null) throw noPictureYet();
     const { renderer } = this;
     const { view, rotation, environment: name } = state.peek();
-    const shown = { mesh: this.mesh.peek(), view, rotation, ...renderer.size };
+    const { width, height } = renderer.canvas;
+    const shown = { mesh: this.mesh.peek(), view, rotation, width, height };
     const own = panoramaOf(state.peek());
     if (own !== null) {
       const bytes = new Uint8Array(await own.file.arrayBuffer());

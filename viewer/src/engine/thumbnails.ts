@@ -61,5 +61,5 @@ async function draw(material: MaterialCards): Promise<ImageBitmap | null> {
   drawnBy.setTexels(shown.texture);
   drawnBy.setTable(table, sizes, shown.rotation, true);
   renderer.draw(SHOT);
-  return createImageBitmap(renderer.picture);
+  return createImageBitmap(renderer.canvas);
 }

@@ -2,7 +2,7 @@
 
 import type { EnvironmentName } from "../state/state";
 import { cover, filters, type Gl, Program, Target } from "./gl";
-import type { Light, Panorama } from "./panorama";
+import type { Light, Picture } from "./panorama";
 import halveSource from "./shaders/halve.frag?raw";
 import irradianceSource from "./shaders/irradiance.frag?raw";
 import panoramaSource from "./shaders/panorama.frag?raw";
@@ -74,7 +74,7 @@ export class EnvironmentMap {
   }
 
   /** An environment by formula as a panorama, without its bright lights. */
-  panoramaOf(name: EnvironmentName): Panorama {
+  panoramaOf(name: EnvironmentName): Picture {
     const { gl } = this;
     const target = new Target(gl, 4 * SIDE, 2 * SIDE, [gl.RGBA32F]);
     target.bind();
@@ -86,7 +86,7 @@ export class EnvironmentMap {
   }
 
   /** Draw a panorama. */
-  drawPanorama(panorama: Panorama): void {
+  drawPanorama(panorama: Picture): void {
     const { gl } = this;
     const texture = gl.createTexture()!;
     gl.bindTexture(gl.TEXTURE_2D, texture);

@@ -10,14 +10,17 @@ export interface Picture {
   pixels: Float32Array;
 }
 
-/** A picture of all directions: width twice the height, the zenith in the first row. */
-export type Panorama = Picture;
-
 /** A light that is so small and bright that it is evaluated directly. */
 export interface Light {
   direction: readonly [number, number, number];
   /** Irradiance at normal incidence, red, green and blue. */
   power: readonly [number, number, number];
+}
+
+/** A picture of all directions without its bright lights: width twice the height, the zenith above. */
+export interface LitPanorama {
+  panorama: Picture;
+  lights: Light[];
 }
 
 /** The most bright lights; the shader has arrays of this size. */
@@ -43,7 +46,7 @@ const SAME_LIGHT = Math.cos((5 * Math.PI) / 180);
 const MOST_RADIANCE = 65504;
 
 /** The panorama without its small bright lights, and these. */
-export function withoutLights(panorama: Panorama): { panorama: Panorama; lights: Light[] } {
+export function withoutLights(panorama: Picture): LitPanorama {
   const { width, height, pixels } = panorama;
   const grey = (at: number) => (pixels[at] + pixels[at + 1] + pixels[at + 2]) / 3;
   let sum = 0;

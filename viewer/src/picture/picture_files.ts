@@ -4,7 +4,7 @@ import { FloatType, RGBAFormat } from "three";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
 import { HDRLoader } from "three/addons/loaders/HDRLoader.js";
 import { FileError } from "../core/safetensors";
-import { type Light, type Panorama, withoutLights } from "./panorama";
+import { type LitPanorama, type Picture, withoutLights } from "./panorama";
 
 const MOST_PIXELS = 8192 * 4096;
 
@@ -16,10 +16,7 @@ export type PanoramaSuffix = "exr" | "hdr";
  *
  * @throws FileError if it is damaged, no panorama or too large.
  */
-export function readPanorama(
-  bytes: Uint8Array,
-  suffix: PanoramaSuffix,
-): { panorama: Panorama; lights: Light[] } {
+export function readPanorama(bytes: Uint8Array, suffix: PanoramaSuffix): LitPanorama {
   const panorama = readPicture(bytes, suffix);
   const { width, height } = panorama;
   if (width * height > MOST_PIXELS || width < 2 || height < 1)
@@ -36,7 +33,7 @@ export function readPanorama(
  *
  * @throws FileError if it is another file, damaged, or of a kind that the library does not know.
  */
-export function readPicture(bytes: Uint8Array, suffix: PanoramaSuffix): Panorama {
+export function readPicture(bytes: Uint8Array, suffix: PanoramaSuffix): Picture {
   let read: { width: number; height: number; data: ArrayLike<number>; header?: string };
   try {
     if (suffix === "exr") checkHeader(bytes);

@@ -7,7 +7,7 @@ import { EnvironmentMap, lightsOf, SIDE } from "./environment";
 import { contextOf, cover, type Gl, included, Program, type Target } from "./gl";
 import { Ground } from "./ground";
 import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
-import { type Light, type Panorama, type Picture, uniformsOf } from "./panorama";
+import { type Light, type LitPanorama, type Picture, uniformsOf } from "./panorama";
 import anisotropicSource from "./shaders/anisotropic.glsl?raw";
 import backdropSource from "./shaders/backdrop.frag?raw";
 import basisSource from "./shaders/basis.glsl?raw";
@@ -53,7 +53,7 @@ export class Renderer {
   private isPanorama = false;
 
   /** @throws NoGraphics */
-  constructor(private readonly canvas: HTMLCanvasElement) {
+  constructor(readonly canvas: HTMLCanvasElement) {
     const gl = contextOf(canvas);
     this.gl = gl;
     gl.depthFunc(gl.LEQUAL); // what lies at the far plane is drawn where nothing hides it
@@ -94,7 +94,7 @@ export class Renderer {
   }
 
   /** Draw the environment of a name, or a panorama and the lights that were taken out of it. */
-  setEnvironment(name: EnvironmentName, own: { panorama: Panorama; lights: Light[] } | null): void {
+  setEnvironment(name: EnvironmentName, own: LitPanorama | null): void {
     this.isPanorama = name === "own" && own !== null;
     if (own !== null && this.isPanorama) {
       this.map.drawPanorama(own.panorama);
@@ -104,16 +104,6 @@ export class Renderer {
       this.lights = lightsOf(name);
     }
     this.ground.changed();
-  }
-
-  /** The canvas with what was shown last. */
-  get picture(): HTMLCanvasElement {
-    return this.canvas;
-  }
-
-  /** Size of the canvas [pixels]. */
-  get size(): { width: number; height: number } {
-    return { width: this.canvas.width, height: this.canvas.height };
   }
 
   /** The material of a slot, which is drawn once it has a table. */
@@ -286,7 +276,7 @@ export class Renderer {
   }
 
   /** An environment by formula as a panorama, without its bright lights. */
-  panoramaOf(name: EnvironmentName): Panorama {
+  panoramaOf(name: EnvironmentName): Picture {
     return this.map.panoramaOf(name);
   }
 

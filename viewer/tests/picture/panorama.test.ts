@@ -1,8 +1,8 @@
 import { describe, expect, test } from "vitest";
-import { type Panorama, withoutLights } from "../../src/picture/panorama";
+import { type Picture, withoutLights } from "../../src/picture/panorama";
 
 /** Irradiance of a surface that faces a direction [W/m²], of one channel. */
-function irradiance({ width, height, pixels }: Panorama, normal: readonly number[]): number {
+function irradiance({ width, height, pixels }: Picture, normal: readonly number[]): number {
   let sum = 0;
   for (let y = 0; y < height; y++)
     for (let x = 0; x < width; x++) {
