@@ -6,6 +6,7 @@ import type { Networks } from "../core/core";
 import { TABLE } from "../core/formulas";
 import { type Tensor, type TensorFile, tensorFile } from "../core/safetensors";
 import type { CodesBottom } from "../material/material";
+import { wrapped } from "../material/parameters";
 import { Refusal } from "../refusal";
 import { halfBytes, keepTable, logsOfBytes } from "./opened";
 
@@ -38,11 +39,6 @@ export function readMaterialFile(
   if (typeof rotation !== "number" || !Number.isFinite(rotation))
     throw new Refusal("The material's rotation is damaged.");
   return { bottom: { ...bottom, widths }, rotation: wrapped(rotation) };
-}
-
-/** An angle [degrees] in [-180, 180). */
-function wrapped(angle: number): number {
-  return ((((angle + 180) % 360) + 360) % 360) - 180;
 }
 
 /** The bytes of a material file; rotation: of the tangent [degrees]. */

@@ -70,6 +70,11 @@ export const ANGLE: Parameter = {
   fallback: 0,
 };
 
+/** An angle [degrees] in [-180, 180). */
+export function wrapped(angle: number): number {
+  return ((((angle + 180) % 360) + 360) % 360) - 180;
+}
+
 /** A number in [0, 1]. */
 function share(label: string, hint: string, fallback: number): Parameter {
   return { label, hint, low: 0, high: 1, power: 1, fallback };

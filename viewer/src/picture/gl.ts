@@ -1,11 +1,12 @@
 /** Small helpers on top of WebGL2. */
 
+import { Refusal } from "../refusal";
 import coverSource from "./shaders/cover.vert?raw";
 
 export type Gl = WebGL2RenderingContext;
 
 /** WebGL2 is missing, or lacks what the picture needs. */
-export class NoGraphics extends Error {}
+export class NoGraphics extends Refusal {}
 
 /** The context of a canvas, with float targets. */
 export function contextOf(canvas: HTMLCanvasElement): Gl {

@@ -2,6 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import { loading, noPicture, occluding, session } from "../engine/session";
+import { wrapped } from "../material/parameters";
 import { titleOf } from "../material/presets";
 import { DIFFERENCE_SCALES, INITIAL, type View } from "../state/state";
 import { change, look, notice, state, task } from "../state/store";
@@ -164,7 +165,7 @@ function turn(change: Partial<View>): void {
   const view = { ...state.value.view, ...change };
   look({
     view: {
-      azimuth: around(view.azimuth),
+      azimuth: turned(view.azimuth),
       elevation: Math.min(Math.max(view.elevation, -5), 80),
       zoom: Math.min(Math.max(view.zoom, 0.5), 4),
       fov: view.fov,
@@ -175,15 +176,15 @@ function turn(change: Partial<View>): void {
 
 /** Turn the environment, which is a step of its own. */
 function light(degrees: number): void {
-  change({ rotation: around(state.value.rotation + degrees) }, "rotation");
+  change({ rotation: turned(state.value.rotation + degrees) }, "rotation");
 }
 
 function panned(shift: number): number {
   return Number(Math.min(Math.max(shift, -2), 2).toFixed(3));
 }
 
-function around(degrees: number): number {
-  return Number((((((degrees + 180) % 360) + 360) % 360) - 180).toFixed(1));
+function turned(degrees: number): number {
+  return Number(wrapped(degrees).toFixed(1));
 }
 
 function Status() {

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { CodeTexture } from "../../src/material/texture";
-import type { Gl } from "../../src/picture/gl";
+import { contextOf, type Gl } from "../../src/picture/gl";
 import { ShownMaterial } from "../../src/picture/shown_material";
 import { Refusal } from "../../src/refusal";
 
@@ -26,4 +26,9 @@ test("a texture that is too large is refused, and the one before it is not drawn
   expect(material.texels).not.toBe(null);
   expect(() => material.setTexels(textureOf(17))).toThrow(Refusal);
   expect(material.texels).toBe(null);
+});
+
+test("a graphics driver that lacks what is needed is told as it is", () => {
+  const canvas = { getContext: () => null } as unknown as HTMLCanvasElement;
+  expect(() => contextOf(canvas)).toThrow(Refusal);
 });
