@@ -14,6 +14,7 @@ Grey is the same at all wavelengths.
 
 import contextlib
 import contextvars
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
@@ -25,6 +26,9 @@ from urushi.core.namespace import DRJIT, NUMPY, Namespace
 
 #: Dominant wavelengths of the sRGB primaries, red, green, blue [nm].
 RGB = (611.0, 549.0, 464.0)
+
+#: Wavelengths that Mitsuba samples [nm].
+SAMPLED = (360.0, 830.0)
 
 #: Number of the bands of constant coats, and the wavelengths between which they lie [nm].
 COUNT, ENDS = 56, (380.0, 720.0)
@@ -93,16 +97,34 @@ def at_bands(si, evaluate: Callable[..., Any]) -> list:
         return list(evaluate())
     bands = _read.get()
     if isinstance(bands, np.ndarray):
-        own = dr.gather(mi.Float, mi.Float(bands), mi.UInt32(si.uv.x * len(bands)))
-        si.wavelengths = mi.Spectrum(own)
+        at = mi.UInt32(si.uv.x * len(bands))
+        nanometres = dr.gather(mi.Float, mi.Float(bands), at)
+        si.wavelengths = mi.Spectrum(*_sampled_with(nanometres, dr))
         return list(evaluate())[:1]
-    lanes = dr.size_v(mi.Spectrum)
     channels: list = []
-    for start in range(0, len(bands), lanes):
-        group = bands[start : start + lanes]
-        si.wavelengths = mi.Spectrum([*group, *[group[-1]] * (lanes - len(group))])
-        channels += list(evaluate())[: len(group)]
+    for band in bands:
+        si.wavelengths = mi.Spectrum(_sampled_with(band, math))
+        channels += list(evaluate())[:1]
     return channels
+
+
+def _sampled_with(wavelength: Any, xp: Any) -> list:
+    """A wavelength [nm], and the others that Mitsuba samples together with it.
+
+    Some BSDFs depend on all wavelengths of a ray: the tints of `principled` are relative to a
+    luminance, which Mitsuba estimates from them.
+
+    xp: the module of its functions, `math` or Dr.Jit.
+    """
+    found, lanes = [wavelength], dr.size_v(mi.Spectrum)
+    first, last = np.tanh(STEEPNESS * (np.array(SAMPLED) - CENTRE)).tolist()
+    span = last - first
+    place = (xp.tanh(STEEPNESS * (wavelength - CENTRE)) - first) / span
+    for k in range(1, lanes):
+        moved = place + k / lanes
+        moved = first + span * (moved - xp.floor(moved))
+        found.append(CENTRE + xp.atanh(moved) / STEEPNESS)
+    return found
 
 
 def mean(value) -> Any:

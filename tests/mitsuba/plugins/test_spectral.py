@@ -18,6 +18,9 @@ GREY = {"type": "diffuse", "reflectance": 0.8}
 METAL = {"type": "roughconductor", "distribution": "ggx"}
 DARK = METAL | {"material": "none", "alpha": 0.3}
 COLOR = {"type": "rgb"}
+#: Of tints relative to a luminance, which Mitsuba estimates from all wavelengths of a ray.
+TINTED = {"type": "principled", "base_color": COLOR | {"value": (0.7, 0.2, 0.1)}, "metallic": 0.5}
+TINTED |= {"roughness": 0.4, "spec_tint": 1.0}
 
 
 def coated(plugin: str, bottom: dict, **medium) -> dict:
@@ -57,6 +60,8 @@ MATERIALS = {
         0.03,
         0.003,
     ),
+    "tints": (lambda x: coated(x, TINTED), 0.03, 0.003),
+    "textured tints": (lambda x: coated(x, TINTED, sigma_t=strip(0.1, 0.2)), 0.03, 0.003),
     "media": (lambda x: coated(x, GREY, sigma_t=0.7, albedo=texture(GREEN)), 0.03, 0.003),
     "metals": (lambda x: coated(x, DARK | {"specular_reflectance": texture(GREEN)}), 0.03, 0.01),
     "textured openpbr": (lambda x: openpbr(x, texture((0.9, 0.3, 0.02))), 0.05, 0.003),
