@@ -93,7 +93,7 @@ FURNACES = {
 
 
 @pytest.mark.parametrize("name", FURNACES)
-def test_white_and_clear_materials_return_all_light(name):
+def test_white_and_clear_materials_return_all_light(few_paths, name):
     """A pair of numbers is a texture of two texels. Noise: four standard errors."""
     case = FURNACES[name]
     given = {

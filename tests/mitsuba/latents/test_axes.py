@@ -256,7 +256,7 @@ def test_a_textured_coat_over_what_no_code_represents(rgb):
 
 
 @pytest.mark.parametrize("indices", [(1.5,), (0.6, 0.95)])
-def test_kernels_and_numpy_interpolate_alike(rgb, indices):
+def test_kernels_and_numpy_interpolate_alike(rgb, few_points, indices):
     """Up to the principal numbers, which stand for the codes."""
     coat = rgb.load_dict(
         {

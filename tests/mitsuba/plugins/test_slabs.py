@@ -230,7 +230,7 @@ def with_textures(values):
 
 
 @pytest.mark.parametrize("name", TEXTURED)
-def test_a_textured_slab_is_a_constant_one_everywhere(rgb, name):
+def test_a_textured_slab_is_a_constant_one_everywhere(rgb, few_paths, name):
     """Also between texels, and on both sides, where it is the slab of the mean parameter."""
     slab, values = TEXTURED[name]
     textured = load(rgb, slab | with_textures(values), "neural_layered")
