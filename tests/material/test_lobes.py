@@ -1,5 +1,6 @@
 """Materials with an analytic lobe: known lobes are exact, and blends of them are smooth."""
 
+import functools
 import itertools
 
 import numpy as np
@@ -47,6 +48,7 @@ def test_a_lobe_that_reflects_everything_does_not_black_out_the_rest(model):
     assert code_albedos(model, limited).max() < 1 + 2 * energy.LEAST_REST
 
 
+@functools.cache
 def materials(model) -> list[Material]:
     """Metal, glass, diffuse, a sharp conductor with a rest, nothing, and a table."""
 

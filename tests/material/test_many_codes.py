@@ -88,7 +88,7 @@ def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monk
     monkeypatch.setattr(parallel, "available_cores", lambda: 2)
     count, rng = 32_768, np.random.default_rng(5)
     z, coats = draw_codes((count,), rng), _coats(count)
-    f = rng.random((8_000, PROBES), np.float32)
+    f = rng.random((3_000, PROBES), np.float32)
     run = {
         "layer": lambda: limit_albedo(model, predicted(model, z, coats)),
         "encode": lambda: limit_albedo(model, model.networks.encode(f)),

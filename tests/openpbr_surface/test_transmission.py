@@ -90,7 +90,7 @@ def test_a_smooth_pane_has_the_shares_of_thindielectric():
 @pytest.mark.parametrize(
     ("material", "name"), [(PANE, "transmission_color"), (GLASS | COAT, "coat_color")]
 )
-def test_colours_of_slabs_may_be_given_on_a_mesh(material, name):
+def test_colours_of_slabs_may_be_given_on_a_mesh(few_paths, material, name):
     """The table along a colour that is the same on the whole mesh has the albedo of the constant's,
     within the noise of samples."""
     mesh = square()  # lives as long as its points

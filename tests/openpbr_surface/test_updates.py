@@ -89,7 +89,7 @@ BASES = {
 
 
 @pytest.mark.parametrize("name", BASES | TWO_SIDED)
-def test_a_changed_material_is_the_one_that_is_loaded_so(name):
+def test_a_changed_material_is_the_one_that_is_loaded_so(few_paths, name):
     """Bases within the tables: those of any index are coarser than those of a number."""
     before, parameter, changes = (BASES | TWO_SIDED)[name]
     bsdf = loaded(**before)
@@ -231,7 +231,7 @@ def test_denoisers_get_the_directional_albedo(bsdf):
 @pytest.mark.parametrize(
     ("name", "glass"), [("base_color", False), ("base_metalness", False), ("coat_color", True)]
 )
-def test_a_bitmap_of_one_value_may_begin_to_vary(name, glass):
+def test_a_bitmap_of_one_value_may_begin_to_vary(few_paths, name, glass):
     """A constant at first; then the material is the one that is loaded with the new texels."""
     channels = 3 if name.endswith("color") else 1
     texels = np.random.default_rng(0).uniform(0.2, 0.8, (4, 4, channels)).astype(np.float32)

@@ -60,7 +60,7 @@ def test_grey_is_the_same_in_all_variants(name):
     ],
     ids=["base", "pane"],
 )
-def test_a_colour_has_the_same_picture_in_all_variants(material):
+def test_a_colour_has_the_same_picture_in_all_variants(few_paths, material):
     """Along the normal: elsewhere paths in panes differ, of which colours are powers.
 
     Coated ones are compared with the walk by `tests.mitsuba.plugins.test_spectral`.

@@ -67,6 +67,11 @@ def train(
     preset = presets.get(preset) if isinstance(preset, str) else preset
     generate = functools.partial(tables.generate, cluster=cluster)
     store, journal, out = prepare(preset, data, out, run, resume, generate)
+    beginning = layering.fresh(preset.arch, preset.seed)
+    if preset.beginning:
+        beginning = layering.widened(weights.shipped(preset.beginning), preset.arch)
+    first = Checkpoint("layering", 0, 0.0, start(beginning, preset.schedule), {})
+    point = journal.restore({"layering": first}) if resume else None  # refused at once
     began = time.monotonic()
     model, codes, metrics = fitted_basis(preset, store)
     found, stacks = layerings(model, store, cluster)
@@ -75,11 +80,6 @@ def train(
     if preset.arch.widths == 2:
         images = layering.mirrored(known, preset.arch.factors[1:])
         known = Layerings(*map(np.concatenate, zip(known, images, strict=True)))
-    beginning = layering.fresh(preset.arch, preset.seed)
-    if preset.beginning:
-        beginning = layering.widened(weights.shipped(preset.beginning), preset.arch)
-    first = Checkpoint("layering", 0, 0.0, start(beginning, preset.schedule), {})
-    point = journal.restore({"layering": first}) if resume else None
     if point is None:
         journal.clear()
         point = first

@@ -213,12 +213,11 @@ def test_half_way_between_two_texels(rgb, name, texels, coat):
     check(coat | row, 0.05, u=0.5)
 
 
-@pytest.mark.parametrize("u", [0.25, 0.3])
-def test_the_roughness_of_a_brushed_metal_is_a_texture(rgb, u):
-    """Within 3 %, also where its lobe is narrow and changes fast."""
+def test_the_roughness_of_a_brushed_metal_is_a_texture(rgb):
+    """Within 3 %, where its lobe is narrow and changes fast."""
     metal = {"type": "principled", "metallic": 0.9, "anisotropic": 0.7}
     metal["roughness"] = strip(0.1, 0.7, wrap_mode="clamp")
-    check({"alpha": 0.05, "base": metal}, 0.03, u=u)
+    check({"alpha": 0.05, "base": metal}, 0.03, u=0.3)
 
 
 def check_f(bsdf, constants: dict, rtol: float):

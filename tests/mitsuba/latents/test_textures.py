@@ -52,7 +52,7 @@ def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, par
 
 
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
-def test_dark_texels_of_a_width_are_the_least_width(rgb, networks, name):
+def test_dark_texels_of_a_width_are_the_least_width(rgb, networks, few_points, name):
     """A roughness map may have black texels, also all of them beside another texture, though it
     then counts as a number; the constant 0 and texels above 1 are refused."""
     dark, other = strip(0.0, 0.3), {"albedo": strip(0.2, 0.7)}
@@ -68,7 +68,7 @@ def test_dark_texels_of_a_width_are_the_least_width(rgb, networks, name):
         load(rgb, name, networks, alpha=strip(1.0, 1.3))
 
 
-def test_dark_texels_of_a_nested_metal_are_the_least_width(rgb):
+def test_dark_texels_of_a_nested_metal_are_the_least_width(rgb, few_points):
     """As the constant below it, which Mitsuba accepts."""
 
     def coat(width):
@@ -102,7 +102,7 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb):
     ],
     ids=lambda brushed: brushed["type"],
 )
-def test_a_bottom_may_be_brushed_away_from_the_middle_of_uv(rgb, brushed):
+def test_a_bottom_may_be_brushed_away_from_the_middle_of_uv(rgb, few_points, brushed):
     """There it reflects otherwise along u than along v; in the middle it does not."""
     coat = rgb.load_dict({"type": "neural_layered", "base": brushed})
     wi, wo = pairs_above(1 << 12, 0, 0.2)
@@ -123,7 +123,7 @@ def test_a_bottom_may_be_brushed_away_from_the_middle_of_uv(rgb, brushed):
         {"type": "checkerboard", "color0": 0.2, "color1": 0.9},
     ],
 )
-def test_a_parameter_has_the_values_of_its_texture(rgb, networks, properties):
+def test_a_parameter_has_the_values_of_its_texture(rgb, networks, few_points, properties):
     """f is that of a coat whose texture has the same values elsewhere, along a line."""
     shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
     rng = np.random.default_rng(0)

@@ -53,8 +53,7 @@ def test_changes_of_numbers_and_textures(rgb, networks):
     larger, now = np.repeat(noise(3), 2, axis=0), {"sigma_t": 2.0}
     base = {"type": "diffuse", "reflectance": bitmap(narrow)}
     for given, properties in (
-        ({"sigma_t.value": 2.0}, {}),
-        ({"albedo.data": narrow}, {"albedo": bitmap(narrow)}),
+        ({"sigma_t.value": 2.0, "albedo.data": narrow}, {"albedo": bitmap(narrow)}),
         ({"albedo.data": wide}, {"albedo": bitmap(wide)}),
         (
             {"albedo.data": larger, "bottom.reflectance.data": narrow},

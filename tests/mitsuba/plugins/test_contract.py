@@ -155,7 +155,7 @@ def plugins():
 
 
 @pytest.fixture
-def bsdf(rgb, describe, plugins, name):
+def bsdf(rgb, few_paths, describe, plugins, name):
     """The plugin of a case, which is loaded once for all laws."""
     if name not in plugins:
         plugins[name] = rgb.load_dict(describe(name))
@@ -361,7 +361,7 @@ def test_derivatives_by_directions_are_finite(rgb, bsdf):
 
 
 @each_plugin
-def test_every_variant_renders(describe, plugins, name):
+def test_every_variant_renders(few_paths, describe, plugins, name):
     """In this order, because a class must not outlive its variant; and two of a kind, which Mitsuba
     must not mix up."""
     plugins.clear()

@@ -42,7 +42,7 @@ def coat(networks, type="neural_layered", textured=False, **properties) -> dict:
 NUMBERS = {"sigma_t.value": (0.5, 1.0, 3.0), "eta": (1.35, 1.4, 1.6)}
 FLAT, GREY = np.full((4, 4, 3), 0.6), np.tile(COLOURS[..., :1], 3)
 RNG = np.random.default_rng(1)
-SIZES = [RNG.random((*size, 3)) for size in ((4, 4), (4, 4), (2, 7), (8, 3))]
+SIZES = [RNG.random((*size, 3)) for size in ((4, 4), (2, 7), (8, 3))]
 GLASS = {"type": "roughdielectric", "distribution": "ggx", "int_ior": 1.7}
 TWO_WIDTHS = {"alpha_u": 0.5, "alpha_v": 0.1}
 CLEAR = {"albedo": 0.0, "g": 0.0, "base": {"type": "diffuse"}}
@@ -71,7 +71,7 @@ CHANGES = {
     ),
     "fuzz appears": ({"type": "openpbr"}, {"fuzz_weight.value": (0.0, 0.8)}),
     "texels": (
-        {"textured": True}, {"albedo.data": (FLAT, GREY, FLAT, COLOURS, FLAT, GREY, *SIZES)},
+        {"textured": True}, {"albedo.data": (FLAT, GREY, FLAT, COLOURS, *SIZES)},
     ),
     "places": ({"textured": True}, {"albedo.to_uv": (1.0, 1.5, 2.5, 1.2)}),
     "a medium begins to scatter": (CLEAR | {"int_ior": "air"}, {"albedo.value": (0.0, 0.8)}),

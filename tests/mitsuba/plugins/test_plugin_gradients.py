@@ -8,7 +8,7 @@ TOLERANCE = 0.03
 
 
 @pytest.mark.parametrize("case", SLOPES)
-def test_slopes_are_those_of_the_walk(rgb, case):
+def test_slopes_are_those_of_the_walk(rgb, few_paths, case):
     """With nearly the same f as without gradients: by codes in place of a table.
 
     Two standard errors of the walk are added. They exceed the tolerance for sharp gold alone.

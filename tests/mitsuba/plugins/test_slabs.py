@@ -247,7 +247,7 @@ def test_a_textured_slab_is_a_constant_one_everywhere(rgb, few_paths, name):
             assert error < 0.01 * expected[:, lanes].sum()
 
 
-def test_a_textured_slab_is_the_walk(rgb):
+def test_a_textured_slab_is_the_walk(rgb, few_paths):
     """Half-way between two texels, of which means of f would be far off."""
     slab, values = TEXTURED["depth"]
     bsdf = load(rgb, slab | with_textures(values), "neural_layered")
@@ -262,7 +262,7 @@ def test_a_textured_slab_is_the_walk(rgb):
     assert np.abs(found - expected).sum() < 0.05 * expected.sum()
 
 
-def test_a_spectral_slab_has_the_medium_of_each_wavelength(spectral):
+def test_a_spectral_slab_has_the_medium_of_each_wavelength(spectral, few_paths):
     """Against walks, whose noise is about 2 %."""
     colours = {"albedo": [0.2, 0.5, 0.95], "sigma_t": [0.4, 1.0, 3.0]}
     given = {k: {"type": "rgb", "value": x} for k, x in colours.items()}
@@ -280,7 +280,7 @@ def test_a_spectral_slab_has_the_medium_of_each_wavelength(spectral):
     assert (np.abs(found - expected).sum(axis=0) < 0.05 * expected.sum(axis=0)).all()
 
 
-def test_a_spectral_slab_follows_its_colours(spectral):
+def test_a_spectral_slab_follows_its_colours(spectral, few_paths):
     slab = SLABS["pane"] | {"sigma_t": {"type": "rgb", "value": [0.4, 1.0, 3.0]}}
     brighter = slab | {"sigma_t": {"type": "rgb", "value": [0.4, 1.05, 3.0]}}
     bsdf, loaded = (load(mi, x, "neural_layered") for x in (slab, brighter))
@@ -294,12 +294,12 @@ def test_a_spectral_slab_follows_its_colours(spectral):
     np.testing.assert_array_equal(bsdf.eval(context, si, to), loaded.eval(context, si, to))
 
 
-def test_samples_of_a_textured_slab_follow_the_density(rgb):
+def test_samples_of_a_textured_slab_follow_the_density(rgb, few_paths):
     slab, values = TEXTURED["glass"]
     sampling.check(load(rgb, slab | with_textures(values), "neural_layered"), ANGLES, 1, 1.5)
 
 
-def test_tables_stay_while_textures_are_within_their_ranges(rgb):
+def test_tables_stay_while_textures_are_within_their_ranges(rgb, few_paths):
     bsdf = load(rgb, SLABS["pane"] | {"sigma_t": halves(0.1, 2.0)}, "neural_layered")
     parameters, before = rgb.traverse(bsdf), bsdf._numbers
     parameters["sigma_t.data"] = 0.5 + 0.5 * parameters["sigma_t.data"]
