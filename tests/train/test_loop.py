@@ -84,7 +84,11 @@ def test_an_interrupted_training_is_not_overwritten(whole, tiny, store):
         train(tiny, data=store.path, run=whole[1])
 
 
-def test_a_checkpoint_of_another_preset_or_a_damaged_one_is_refused(whole, tiny, store, tmp_path):
+def test_a_checkpoint_of_another_preset_or_a_damaged_one_is_refused(
+    whole, tiny, store, tmp_path, monkeypatch
+):
+    """Before anything is fitted."""
+    monkeypatch.setattr(training, "fitted_basis", None)
     shutil.copy(whole[1] / "checkpoint.safetensors", tmp_path)
     with pytest.raises(FileError, match="is a checkpoint of another preset, data or version"):
         train(dataclasses.replace(tiny, seed=9), data=store.path, run=tmp_path, resume=True)
