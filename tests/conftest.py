@@ -223,22 +223,16 @@ def spectral(rgb):
 
 @pytest.fixture
 def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Coats with textures by few points of transport and few nodes, for what does not depend on
-    their numbers."""
-    from urushi.textures import baking, point_codes
-
-    monkeypatch.setattr(baking, "NODES", 1 << 10)
-    monkeypatch.setattr(
-        point_codes, "POINTS", {1: (5, 8, 12, 24, 48, 96), 2: (3, 6, 10, 20, 30, 40)}
-    )
+    """Coats with textures by few points and nodes, for what does not depend on their numbers."""
+    counts = {1: (5, 8, 12, 24, 48, 96), 2: (3, 6, 10, 20, 30, 40)}
+    monkeypatch.setattr("urushi.textures.point_codes.POINTS", counts)
+    monkeypatch.setattr("urushi.textures.baking.NODES", 1 << 10)
 
 
 @pytest.fixture
 def few_paths(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tables of slabs by few paths of straight light, for what does not depend on their number."""
-    from urushi.material import slab_light
-
-    monkeypatch.setattr(slab_light, "PATHS", 64)
+    monkeypatch.setattr("urushi.material.slab_light.PATHS", 64)
 
 
 @pytest.fixture(scope="session")

@@ -82,9 +82,6 @@ FURNACES = {
     # The loss is linear between nine roughnesses, and between five azimuths of brushed panes.
     "etched pane": Furnace(PANE | ETCHED, 0.02, SIDES),
     "coat on etched glass": Furnace(GLASS | ETCHED, 0.02, SIDES),
-    "etched coat on glass": Furnace(
-        GLASS | {"specular_roughness": 0.4, "coat_roughness": (0.05, 0.9)}, 0.02, SIDES
-    ),
     "brushed pane": Furnace(
         PANE | {"specular_roughness": 0.6, "specular_roughness_anisotropy": 0.9},
         *(0.02, (0.31,), TURNS),

@@ -84,9 +84,7 @@ def test_an_interrupted_training_is_not_overwritten(whole, tiny, store):
         train(tiny, data=store.path, run=whole[1])
 
 
-def test_a_checkpoint_of_another_preset_or_a_damaged_one_is_refused(
-    whole, tiny, store, tmp_path, monkeypatch
-):
+def test_a_foreign_or_damaged_checkpoint_is_refused(whole, tiny, store, tmp_path, monkeypatch):
     """Before anything is fitted."""
     monkeypatch.setattr(training, "fitted_basis", None)
     shutil.copy(whole[1] / "checkpoint.safetensors", tmp_path)

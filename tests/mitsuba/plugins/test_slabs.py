@@ -207,7 +207,6 @@ TEXTURED = {
     "width": (SLABS["paper"], {"alpha": (0.02, 0.8)}),
     "asymmetry": (SLABS["a medium on a pane"], {"g": (-0.8, 0.8)}),
     "two on a body": (SLABS["body"], {"sigma_t": ((0.1, 1, 3), (3, 1, 0.1)), "alpha": (0.05, 0.4)}),
-    "smooth glass": (SLABS["smooth body"], {"alpha": (0.1, 0.4)}),
     "glass": (SLABS["body"], {"base": GLASS | {"int_ior": 1.5, "alpha": (0.05, 0.5)}}),
 }
 
