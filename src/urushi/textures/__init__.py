@@ -1,1 +1,1 @@
-"""Textures of latent codes: baked texel by texel, packed into bytes."""
+"""Materials that vary over a surface: axes, their nodes, and files of texels."""
