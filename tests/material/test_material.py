@@ -8,6 +8,8 @@ from tests.directions import above, at_cosines
 
 from urushi.errors import ParameterError
 from urushi.material import Material
+from urushi.material.encode import encode
+from urushi.walk import dielectric
 
 UP = np.array([[0.0, 0.6, 0.8]], np.float32)
 
@@ -74,6 +76,24 @@ def test_albedo_by_quadrature_is_albedo_by_sampling(every, cos_i):
     assert (np.abs(albedo - mean) < 5 * error + 1e-3 * mean).all()
 
 
+@pytest.mark.parametrize("alpha", [0.1, 0.5])
+def test_albedo_of_an_interface_with_total_reflection(alpha, model):
+    # Near normal incidence the edge lies at one half angle, here between nodes of a midpoint rule.
+    interface = encode(dielectric(alpha, eta=0.5), model)
+    angles = (np.arange(20_000) + 0.5) * (0.5 * np.pi / 20_000)
+    wo = np.stack([np.sin(angles), 0 * angles, np.cos(angles)], axis=-1)
+    normal = np.array([[0.0, 0.0, 1.0]])
+    f = interface.f(np.repeat(normal, len(wo), axis=0), wo)[:, 0]
+    albedo = np.sum(f * np.sin(2 * angles)) * (0.5 * np.pi**2 / 20_000)
+    assert interface.directional_albedo(normal)[0, 0] == pytest.approx(albedo, abs=2e-3)
+
+
+def test_albedo_at_the_horizon(material):
+    lowest, low = material.directional_albedo([[1, 0, 1e-30], [1, 0, 1e-5]])
+    # All nodes lie in the last degrees, where the rule is coarse.
+    np.testing.assert_allclose(lowest, low, rtol=0.05)
+
+
 def test_albedo_below_the_horizon_is_zero_and_isotropic(material):
     wi = np.array([[0.6, 0, 0.8], [0, -0.6, 0.8], [0.6, 0, -0.8]], np.float32)
     albedo = material.directional_albedo(wi)
@@ -99,7 +119,11 @@ def test_a_material_is_a_value(material, model, other_model):
 
 
 @pytest.mark.parametrize(
-    "latents", [np.ones(14), np.ones((3, 13)), np.ones((0, 14)), np.full((3, 14), np.nan)]
+    "latents",
+    [
+        *(np.ones(14), np.ones((3, 13)), np.ones((0, 14)), np.full((3, 14), np.nan)),
+        *(np.ones((3, 14), complex), "codes", [[1.0], [1.0, 2.0]], None),
+    ],
 )
 def test_bad_latents_are_refused(latents, model):
     with pytest.raises(ParameterError, match="latents"):

@@ -53,6 +53,8 @@ def test_defaults_of_coat_are_those_of_the_plugins() -> None:
 def test_coating_a_stack_adds_on_top() -> None:
     outer = coat(coat(diffuse(0.5), 0.1, 1.3), 0.2, 1.5)
     assert outer == Stack((Coat(0.2, 1.5), Coat(0.1, 1.3)), diffuse(0.5))
+    listed = Stack(list(outer.coats), diffuse(0.5))  # type: ignore[arg-type]
+    assert listed == outer and hash(listed) == hash(outer)
 
 
 def test_a_table_has_a_row_per_channel_that_differs() -> None:
@@ -118,6 +120,7 @@ def test_widths_differ_by_channel_and_by_axis() -> None:
         (lambda: coat(diffuse(1), alpha_u=0.2), "the coat's alpha_v is missing; .* go together"),
         (lambda: coat(diffuse(1), alpha_u=1, alpha_v=(0.1, 0.2, 1.1)), "coat's alpha_v is 1.1;"),
         (lambda: conductor(r0=1, alpha_u=0, alpha_v=1), "the conductor's alpha_u is 0; it must be"),
+        (lambda: Stack(Coat(), diffuse(1)), "a Stack needs one or more Coat objects"),
         (lambda: Stack((), diffuse(1)), "a Stack needs one or more Coat objects, top to bottom"),
         (lambda: Stack((diffuse(1),), diffuse(1)), "a Stack needs one or more Coat objects"),
         (lambda: coat(diffuse(1), sigma_t=1e300), r"sigma_t is 1e\+300; .* depth in \[0, 1e6"),

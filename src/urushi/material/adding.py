@@ -25,7 +25,7 @@ import numpy as np
 
 from urushi.core import fresnel, microfacet
 from urushi.core.namespace import NUMPY, Components, Namespace
-from urushi.core.quadrature import directional_albedos, gauss
+from urushi.core.quadrature import POLAR_NODES, directional_albedos, gauss
 from urushi.core.table import SHAPE, Knots, corners, interpolated_columns, node_pairs
 from urushi.material.crossing import in_plane, inner_albedo
 from urushi.walk.medium import hg
@@ -225,9 +225,9 @@ def _node_corners(edges: Edges, knots: Knots) -> list[tuple[np.ndarray, np.ndarr
     return grid(edges).corners(*node_pairs(knots))
 
 
-def albedos(f: Brdf, cosines: np.ndarray) -> np.ndarray:
-    """Directional albedos (N, C) of a BRDF at cosines (N,), by 1536 directions for each."""
-    return directional_albedos(f, np.stack(in_plane(cosines), axis=-1))
+def albedos(f: Brdf, cosines: np.ndarray, polar: int = POLAR_NODES) -> np.ndarray:
+    """Directional albedos (N, C) of a BRDF at cosines (N,), by 32 `polar` directions for each."""
+    return directional_albedos(f, np.stack(in_plane(cosines), axis=-1), polar=polar)
 
 
 def albedo_factors(

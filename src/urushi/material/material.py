@@ -12,7 +12,7 @@ from urushi.checks import CoatParameters
 from urushi.core.directions import rotated
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import NUMPY, components, stacked
-from urushi.core.quadrature import directional_albedos
+from urushi.core.quadrature import EDGE_NODES, POLAR_NODES, directional_albedos
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, interpolated
 from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
@@ -25,7 +25,7 @@ from urushi.parallel import fill_blocks
 #: Version of the files of materials.
 FORMAT_VERSION = 3
 
-#: Directions whose albedo is integrated at once, over 1536 others each.
+#: Directions whose albedo is integrated at once, over 1536 others each, or more.
 ALBEDO_BLOCK = 16
 
 
@@ -69,16 +69,23 @@ class Material:
     coating: Coating | None = None
 
     def __post_init__(self) -> None:
-        channels = max(len(np.atleast_1d(self.latents)), 1)
+        latents = _numbers(self.latents, np.float32, "latents")
+        channels = max(len(np.atleast_1d(latents)), 1)
         checked: dict[str, Any] = {
-            "latents": _checked(self.latents, np.float32, (channels, self.model.arch.latent)),
+            "latents": _checked(latents, (channels, self.model.arch.latent), "latents"),
             "beside_lobe": bool(self.beside_lobe) and self.table is not None,
             "rotation": _checked_rotation(self.rotation) if self.model.widths == 2 else 0.0,
         }
         if self.table is not None:
             if self.model.widths == 2:
                 raise ParameterError("materials of these weights cannot have tables")
-            checked["table"] = _checked(self.table, np.float16, (*SHAPE, channels))
+            table = _numbers(self.table, np.float16, "tables")
+            checked["table"] = _checked(table, (*SHAPE, channels), "tables")
+            if not (table.min() >= MIN_LOG and table.max() <= MAX_LOG):
+                raise ParameterError(
+                    f"a material's tables hold {table.min():g} to {table.max():g}; they are "
+                    f"logarithms from {MIN_LOG:g} to {MAX_LOG:g}"
+                )
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 
@@ -207,8 +214,9 @@ class Material:
         """Integrate f times wo's cosine over the hemisphere: the directional albedo.
 
         wi: (N, 3) unit vectors. Returns float32 (N, C), zero where wi is below the horizon. It is
-            computed by a fixed quadrature of 1536 directions per wi, or 6144 for anisotropic
-            materials, with an error of about 0.001.
+            computed by a fixed quadrature of 1536 directions per wi, with an error of about 0.001;
+            of four times as many for anisotropic materials, and again for indices below one.
+            Backward peaks of media without an interface, of g below -0.8, are too narrow for it.
 
         Raises:
             ParameterError: wrong shape, or directions that are not unit vectors.
@@ -216,10 +224,12 @@ class Material:
         wi = self._inside(checks.direction(wi, "wi"))
         albedo = np.zeros((len(wi), self.channels), np.float32)
         above = np.flatnonzero(wi[:, 2] > 0.0)
+        edges = transmittance.has_edges(self.latents[:, : self.model.arch.lobe])
+        polar = EDGE_NODES if edges.any() else POLAR_NODES
         for start in range(0, len(above), ALBEDO_BLOCK):
             rows = above[start : start + ALBEDO_BLOCK]
             albedo[rows] = directional_albedos(
-                self._filled, wi[rows], anisotropic=self.model.widths == 2
+                self._filled, wi[rows], anisotropic=self.model.widths == 2, polar=polar
             )
         return albedo
 
@@ -347,20 +357,21 @@ def _material(description: dict[str, Any], arrays: dict[str, np.ndarray], model:
     )
 
 
-def _checked(values: npt.ArrayLike, dtype: Any, shape: tuple[int, ...]) -> np.ndarray:
-    """A read-only copy of a material's latents or table."""
-    what = "tables" if dtype == np.float16 else "latents"
-    with np.errstate(over="ignore"):
-        array = np.array(values, dtype)
+def _numbers(values: npt.ArrayLike, dtype: Any, what: str) -> np.ndarray:
+    """A copy of numbers as an array of a type; what: their name in errors."""
+    try:
+        with np.errstate(over="ignore"):
+            return np.array(checks.real(values, dtype))
+    except checks.NO_NUMBERS as error:
+        raise ParameterError(f"a material's {what} must be an array of real numbers") from error
+
+
+def _checked(array: np.ndarray, shape: tuple[int, ...], what: str) -> np.ndarray:
+    """The array, of finite numbers and now read-only; what: its name in errors."""
     if array.shape != shape:
         raise ParameterError(f"a material's {what} have the shape {array.shape}; give {shape}")
     if not np.isfinite(array).all():
         raise ParameterError(f"a material's {what} hold a number that is not finite")
-    if dtype == np.float16 and not (array.min() >= MIN_LOG and array.max() <= MAX_LOG):
-        raise ParameterError(
-            f"a material's tables hold {array.min():g} to {array.max():g}; they are logarithms "
-            f"from {MIN_LOG:g} to {MAX_LOG:g}"
-        )
     array.flags.writeable = False
     return array
 

@@ -6,6 +6,7 @@ layers share. Equal widths are stored as one.
 """
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -92,7 +93,9 @@ class Stack:
         return Stack(tuple(coats), under(self.bottom, index))
 
     def __post_init__(self) -> None:
-        if not self.coats or not all(isinstance(coat, Coat) for coat in self.coats):
+        coats = tuple(self.coats) if isinstance(self.coats, Sequence) else ()
+        object.__setattr__(self, "coats", coats)
+        if not coats or not all(isinstance(coat, Coat) for coat in coats):
             raise ParameterError("a Stack needs one or more Coat objects, top to bottom")
         if isinstance(self.bottom, Description):
             return
