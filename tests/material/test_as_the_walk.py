@@ -9,11 +9,12 @@ import pytest
 import urushi
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import energy_weight
-from urushi.walk import Stack, coat, conductor, diffuse
+from urushi.walk import Coat, Stack, coat, conductor, diffuse
 
 BRUSHED = conductor(alpha_u=0.1, alpha_v=0.4, r0=0.9)
 GOLD = conductor(alpha_u=0.3, alpha_v=0.08, eta=0.2, k=3.9)
 GREY = diffuse(0.5)
+COMPENSATED = Coat(0.8, 1.5, energy_compensation=True)
 CLOUDY = {"albedo": 0.9, "sigma_t": 1.0, "g": 0.3}
 
 
@@ -31,6 +32,8 @@ STACKS: dict[str, tuple[Stack, float]] = {
     "rough on polished": (coat(conductor(0.02, 0.8), 0.3, 1.5), 0.02),
     "nested": (coat(coat(GREY, 0.05, 1.3, sigma_t=0.2), 0.1, 1.5, sigma_t=0.3), 0.01),
     "nested, denser": (coat(coat(GREY, 0.3, 0.8, 0.95, 1.0, 0.9), 0.25, 1.5, 0.9, 0.5), 0.01),
+    # Only the topmost surface gives light back, also if both coats are one object.
+    "compensated": (Stack((COMPENSATED, COMPENSATED), diffuse(1)), 0.01),
     "two media": (coat(coat(GREY, 0.4, 1.3, 0.9, 2.0, 0.5), 0.25, 1.4, 0.8, 1.0, -0.5), 0.01),
     "no interface": (coat(conductor(0.05, 0.9), 0.3, 1.0, 0.9, 0.7, -0.3), 0.01),
     "faint on gold": (coat(conductor(0.1, eta=0.2, k=3.9), 0.04, 1.003), 0.01),

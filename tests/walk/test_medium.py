@@ -1,12 +1,15 @@
 """Media: the phase function, doubled slabs, and the diffuser in deep media that lose no light."""
 
+import drjit as dr
 import numpy as np
 import pytest
 from tests.directions import DOWN, at_cosines
 from tests.oracles import doubling
 from tests.oracles.doubling import CosineGrid, series
 
-from urushi.walk import coat, diffuse, medium, simulate, slab
+from urushi.core.random import stream
+from urushi.walk import coat, diffuse, medium, simulate, slab, walk
+from urushi.walk.bottoms import KINDS
 from urushi.walk.monte_carlo import backend
 
 ASYMMETRIES = [-0.95, -0.5, -1e-3, -1e-6, 0.0, 1e-8, 9.9e-4, 1.01e-3, 0.3, 0.8, 0.97]
@@ -37,6 +40,43 @@ def test_the_phase_function_is_normalised_of_mean_cosine_g_and_sampled_by_invers
     # Near the switch to the expansion the closed form loses 1e-7 / 2e-3 = 6e-5 to cancellation; at
     # |g| = 0.97 the density of cosines reaches 1100, and float32 cosines are 6e-8 apart.
     np.testing.assert_allclose(cumulative(g, cos), u, atol=1.5e-4)
+
+
+@pytest.mark.parametrize("g", [0.9999, -0.9999, 1 - 2**-24, 2**-24 - 1])
+def test_the_sharpest_peak_is_finite_and_positive(jit, g: float) -> None:
+    cosines = np.float32([-1 - 1e-6, -1, -1 + 1e-7, 0, 1 - 1e-7, 1, 1 + 1e-6])  # of rounded vectors
+    values = medium.hg(jit.Float(cosines), jit.Float(g)).numpy()
+    assert np.isfinite(values).all() and (values > 0).all()
+
+
+class ForwardCoat:
+    """A coat of colours whose lossless medium hardly deflects light, as the walk's layers."""
+
+    count = 1
+
+    def __init__(self, jit, sigma_t: float) -> None:
+        self._interface = jit.Float(0.3), jit.Float(1.3)
+        color = jit.Array3f
+        self._medium = color(1), color(sigma_t), color(0.99999)
+
+    def interface(self, index):
+        return self._interface
+
+    def medium(self, index):
+        return self._medium
+
+
+def test_media_that_do_not_deflect_light_change_no_colour(jit) -> None:
+    walks, means, errors = 1 << 16, [], []
+    wi, wo = jit.Array3f(0, 0, 1), jit.Array3f(0.6, 0, 0.8)
+    bottom = KINDS["diffuse"].bottom(jit.Float(0.5))
+    for sigma_t in (0.0, 2.0):
+        rng = stream(jit.PCG32, dr.arange(jit.UInt64, walks), 0)
+        f = walk.estimate(ForwardCoat(jit, sigma_t), bottom, wi, wo, rng, jit.Array3f)
+        rows = np.array([channel.numpy() for channel in f])
+        means.append(rows.mean(axis=1))
+        errors.append(rows.std(axis=1) / walks**0.5)
+    np.testing.assert_array_less(np.abs(means[1] - means[0]), 5 * np.hypot(*errors))
 
 
 @pytest.mark.parametrize("g", [0.0, 0.5])

@@ -176,8 +176,8 @@ def stacked(stack: Stack, model: Model) -> Material | None:
     if compensated and model.widths == 2:
         return None
     material = encode_source(stack.bottom, model)[0]
-    for coat in reversed(stack.coats):
-        compensates = compensated and coat is stack.coats[0]
+    for place, coat in reversed(list(enumerate(stack.coats))):
+        compensates = compensated and place == 0
         coating = Coating(coat.parameters, coat.ior is not None, material, compensated=compensates)
         material = _coated(coating)
     return material

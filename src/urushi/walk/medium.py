@@ -72,7 +72,9 @@ def hg(cos_theta, g, xp=DRJIT):
 
     `g` in (-1, 1) is the mean of that cosine: positive scatters forward.
     """
-    base = 1 + g * g - 2 * g * cos_theta
+    # In single precision, rounding would give 0 or less at the peak from |g| = 0.9999 on.
+    least = 1 - xp.absolute(g)
+    base = xp.maximum(1 + g * g - 2 * g * cos_theta, least * least)
     return (0.25 / dr.pi) * (1 - g * g) / (base * xp.sqrt(base))
 
 
