@@ -49,6 +49,17 @@ def test_the_sharpest_peak_is_finite_and_positive(jit, g: float) -> None:
     assert np.isfinite(values).all() and (values > 0).all()
 
 
+@pytest.mark.parametrize("g", [0.9999, 1 - 1e-12])
+def test_a_medium_that_does_not_deflect_light_changes_nothing(g: float) -> None:
+    # Also where single precision rounds g to 1
+    directions = at_cosines([1.0, 0.5]), at_cosines([0.8, 0.4], 2.0)
+    clear, cloudy = (
+        simulate(coat(diffuse(0.5), 0.3, 1.3, 1.0, sigma_t, g), *directions, walks=1 << 15)
+        for sigma_t in (0.0, 2.0)
+    )
+    np.testing.assert_array_less(np.abs(cloudy[0] - clear[0]), 5 * np.hypot(clear[1], cloudy[1]))
+
+
 class ForwardCoat:
     """A coat of colours whose lossless medium hardly deflects light, as the walk's layers."""
 

@@ -29,6 +29,9 @@ KEPT, DEEP = 5.0, 12.0
 #: paths]. For HG phase functions it differs by at most 0.02.
 MILNE = 0.7104
 
+#: Largest |g|: nearer to 1, single precision would round it to 1.
+LARGEST_ASYMMETRY = 1 - 2**-24
+
 #: Depth of the sheet in its layer.
 SHEET_DEPTH = 0.5
 
@@ -46,6 +49,7 @@ class Medium(NamedTuple):
     @classmethod
     def of(cls, albedo: Any, sigma_t: Any, g: Any) -> "Medium":
         """The medium with these parameters, floats or colours."""
+        g = dr.clip(g, -LARGEST_ASYMMETRY, LARGEST_ASYMMETRY)
         scatters = dr.minimum(spectral_mis.greatest(albedo) / ROULETTE_THRESHOLD, 1)
         reduced = 1 - dr.maximum(g, 0)
         deep = (spectral_mis.least(albedo) >= 1) & (spectral_mis.least(sigma_t * reduced) > DEEP)
