@@ -22,6 +22,8 @@ GRACE = 0.5
 
 def main() -> int:
     """`urushi.app.cli.main`, with its exit code for an interrupt, which ends the process."""
+    if sys.stderr is None:  # closed: progress bars and sentences go nowhere
+        sys.stderr = io.StringIO()
     if isinstance(sys.stdout, io.TextIOWrapper):  # None if it is closed
         sys.stdout.reconfigure(errors="backslashreplace")  # as of standard error
     finished = threading.Event()

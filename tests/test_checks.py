@@ -87,6 +87,7 @@ def test_directions():
         ([[0, 0, 0]], "not a unit vector"),
         ([[0, 0, 1], [0, np.nan, 1]], r"wi\[1\]"),
         ([[np.inf, 0, 0]], "not a unit vector"),
+        ([[1e300, 0, 0]], "not a unit vector"),
         ([0, 0, 1], r"shape \(3,\)"),
         ([[0, 1]], r"shape \(1, 2\)"),
         ("up", r"\(N, 3\)|shape"),

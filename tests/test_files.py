@@ -11,7 +11,14 @@ import numpy as np
 import pytest
 
 from urushi.errors import FileError, ParameterError
-from urushi.files import atomic_write, read_npz, read_tensors, write_tensors
+from urushi.files import (
+    atomic_write,
+    is_file,
+    new_folder,
+    read_npz,
+    read_tensors,
+    write_tensors,
+)
 
 
 def test_writes_the_whole_file(tmp_path):
@@ -25,6 +32,13 @@ def test_writes_the_whole_file(tmp_path):
     assert target.read_text() == "whole"
     assert set(os.listdir(tmp_path)) == {"new.txt", "ordinary"}
     assert stat.S_IMODE(target.stat().st_mode) == stat.S_IMODE(ordinary.stat().st_mode)
+
+
+def test_the_longest_name_of_a_file_can_be_written(tmp_path):
+    target = tmp_path / f"{'x' * 250}.text"
+    with atomic_write(target) as temporary:
+        temporary.write_text("whole")
+    assert is_file(target) and not is_file(f"{target}more")
 
 
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -52,6 +66,12 @@ def test_a_failure_keeps_the_old_file(tmp_path, failure):
         assert caught.value is failure
     assert target.read_text() == "old"
     assert os.listdir(tmp_path) == ["old"]
+
+
+def test_a_file_is_no_folder(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(FileError, match="file': it is a file; choose another name"):
+        new_folder(tmp_path / "file")
 
 
 @pytest.mark.parametrize("name", ["nowhere/file", "file/below", "folder", "circle"])

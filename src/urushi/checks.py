@@ -87,7 +87,8 @@ def real(value: npt.ArrayLike, dtype: type) -> np.ndarray:
     """Numbers as an array of a type; TypeError for complex ones, which NumPy would halve."""
     if np.iscomplexobj(value):
         raise TypeError("complex numbers")
-    return np.asarray(value, dtype)
+    with np.errstate(over="ignore"):  # to infinity
+        return np.asarray(value, dtype)
 
 
 @dataclass(frozen=True)

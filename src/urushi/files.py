@@ -46,6 +46,14 @@ def as_path(path: Any) -> Path:
     return result
 
 
+def is_file(path: str | os.PathLike) -> bool:
+    """Whether a path is that of a file; no if the name is too long, or the folder is private."""
+    try:
+        return Path(path).is_file()
+    except OSError:
+        return False
+
+
 @contextlib.contextmanager
 def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
     """Yield a temporary path in the folder of `path`; rename it to `path` on success.
@@ -62,9 +70,7 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
         place = target.resolve()
         if place.exists() and not place.is_file():  # renaming would replace a device
             raise FileError(f"cannot write '{target}': it is not a file; choose another name")
-        handle, name = tempfile.mkstemp(
-            dir=place.parent, prefix=f".{target.stem}-", suffix=target.suffix
-        )
+        handle, name = tempfile.mkstemp(dir=place.parent, prefix=".urushi-", suffix=target.suffix)
         os.close(handle)
         temporary = Path(name)
         _temporary_files.add(temporary)
@@ -101,9 +107,11 @@ def new_folder(path: str | os.PathLike) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
+        is_file = isinstance(error, FileExistsError)
         raise FileError(
-            f"cannot create the folder '{folder}': {error.strerror or error}; "
-            "choose one that is writable"
+            f"cannot create the folder '{folder}': "
+            f"{'it is a file' if is_file else error.strerror or error}; "
+            f"choose {'another name' if is_file else 'one that is writable'}"
         ) from error
     return folder
 
@@ -203,7 +211,7 @@ def read_npz(path: str | os.PathLike, *names: str) -> list[np.ndarray]:
         if not all(isinstance(array, np.ndarray) for array in arrays.values()):
             raise ValueError(path)
     except NO_ARCHIVE as error:
-        reason = "it is not an NPZ file" if source.exists() else "it does not exist"
+        reason = getattr(error, "strerror", None) or "it is not an NPZ file"
         raise FileError(f"cannot read '{source}': {reason}; write it with numpy.savez") from error
     for name in names:
         if name not in arrays:

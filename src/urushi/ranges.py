@@ -24,7 +24,7 @@ class Range:
     def __contains__(self, value: float) -> bool:
         low = value > self.least if self.above else value >= self.least
         high = value < self.most if self.below else value <= self.most
-        return low and high and math.isfinite(value) and not (self.step and value % self.step)
+        return low and high and value != math.inf and not (self.step and value % self.step)
 
     def __str__(self) -> str:
         bounds = [f"{'above' if self.above else 'at least'} {self.least:.16g}"]
@@ -62,7 +62,7 @@ def check(command: Any, dashes: str = "--") -> None:
         value, bounds = getattr(command, name), range_of(hint)
         if bounds is not None and value is not None and value not in bounds:
             option = name.replace("_", "-") if dashes else name
-            raise ParameterError(f"{dashes}{option} is {value:.16g}; it must be {bounds}")
+            raise ParameterError(f"{dashes}{option} is {value}; it must be {bounds}")
 
 
 def range_of(hint: Any) -> Range | None:

@@ -162,6 +162,27 @@ def test_output_in_an_encoding_without_some_characters(arguments):
     assert "\\" in run.stdout
 
 
+def test_a_file_that_may_not_be_looked_at_is_one_sentence(monkeypatch, capsys):
+    """Also where no command expects it."""
+
+    def refuse(self):
+        raise PermissionError(13, "Permission denied", "/private/file")
+
+    monkeypatch.setattr(Doctor, "run", refuse)
+    assert cli.main(["doctor"]) == cli.FAILURE
+    sentence = "urushi: cannot use '/private/file': Permission denied; check the path and its "
+    assert capsys.readouterr().err == sentence + "permissions\n"
+
+
+def test_a_command_without_standard_error_works(tmp_path):
+    """With a progress bar and with an error, which go nowhere."""
+    for sources, code in ((["diffuse(0.5)", "diffuse(0.6)"], 0), (["diffuse(2)"], cli.FAILURE)):
+        command = [sys.executable, "-m", "urushi_command", "encode", *sources, "-o", tmp_path / "a"]
+        closed = ["/bin/sh", "-c", 'exec "$@" 2>&-', "sh", *map(str, command)]
+        run = subprocess.run(closed, capture_output=True, text=True)
+        assert run.returncode == code and (run.stdout == "") == (code != 0)
+
+
 def test_a_command_without_standard_output_prints_nothing(monkeypatch, capsys):
     monkeypatch.setattr(sys, "stdout", None)  # as Python sets it for `>&-` in a shell
     assert cli.main(["materials"]) == 0

@@ -88,6 +88,15 @@ def test_light_and_medium_of_a_material(convert):
     assert sum(shape.interior_medium() is not None for shape in scene.shapes()) == 1
 
 
+@pytest.mark.parametrize("name", ["sky", "object", "type"])
+def test_a_material_may_have_the_name_of_a_part_of_the_scene(convert, name):
+    status, folder, _ = convert(document(element("open_pbr_surface", "surfaceshader", name)))
+    assert status == 0
+    mi.set_variant("llvm_ad_rgb")
+    scene = mi.load_file(str(folder / "scene.xml"))
+    assert len(scene.shapes()) == 2 and len(scene.emitters()) == 2
+
+
 SKINS = dict(bg=("surfaceshader", "@A"), fg=("surfaceshader", "@B"), mix=0.5)
 MIXTURE = document(
     *(element("standard_surface", "surfaceshader", x, subsurface=1.0) for x in "AB"),

@@ -32,7 +32,7 @@ def test_means_what_python_means(text):
     makers = ("coat", "conductor", "dielectric", "diffuse", "slab")
     names = {name: getattr(urushi, name) for name in makers}
     assert describe(text) == eval(text.strip(), names)
-    assert is_description(text)
+    assert is_description(text) and is_description(f"urushi.{text.strip()}")
 
 
 @pytest.mark.parametrize(
@@ -51,6 +51,8 @@ def test_means_what_python_means(text):
         ("diffuse(1 if 1 else 2)", "neither one number nor three"),
         ("diffuse('0.5')", "neither one number nor three"),
         ("diffuse(True)", "neither one number nor three"),
+        ("conductor(0.2, r0=0.9, energy_compensation='no')", "neither one number nor three"),
+        (f"diffuse({'-' * 5000}1)", "not a Python expression"),
         ("diffuse(**{'reflectance': 0.5})", "cannot read"),
         ("coat(diffuse(0.5), alpha=0.1, alpha=0.2)", "'alpha' is given twice"),
         ("diffuse(0.5, gloss=1)", "unexpected keyword argument 'gloss' in diffuse(reflectance)"),

@@ -63,6 +63,13 @@ def test_bad_values_are_refused_before_any_work(name, field, bounds, tmp_path, m
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("option", ["--seed", "--sensor"])
+def test_whole_numbers_that_no_float_can_hold(option, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["render", "caddy", option, "9" * 400]) == cli.FAILURE
+    assert capsys.readouterr().err.startswith(f"urushi: {option} is 999")
+
+
 @pytest.mark.parametrize("text", ["abc", "", "1e5x"])
 def test_what_is_no_number_is_a_usage_error(text, capsys):
     with pytest.raises(SystemExit) as caught:

@@ -32,6 +32,7 @@ SCENE = f"""<scene version="3.0.0">
     {SENSOR.format(2, 2)}
     <emitter type="constant"><rgb name="radiance" value="$grey"/></emitter>
 </scene>"""
+NO_INTEGRATOR = SCENE.replace('<integrator type="direct"/>', "")
 
 
 @pytest.fixture
@@ -148,6 +149,7 @@ def coated(parameter: str) -> str:
             "cannot load 'bad.xml': line 1: neither Mitsuba nor Urushi has a plugin 'lacquer'; if",
         ),
         ('<scene version="3.0.0"/>', "", "'bad.xml' has 0 sensors; give an index from 0, or add a"),
+        (NO_INTEGRATOR, "", "'bad.xml' has no integrator; add an <integrator> to the scene"),
         (SCENE.replace('"4"', '"many"', 1), "", "'bad.xml': line 8: could not parse integer"),
         (coated('name="alpha" value="7"'), "", "alpha is 7; it must be a GGX width in [0.01, 1]"),
         (coated('name="alpa" value="0.7"'), "", "alpa"),
@@ -173,6 +175,7 @@ def test_errors_name_the_file_once_with_the_line_and_without_a_traceback(
     [
         (["tea-pot"], "there is no scene 'tea-pot'; give a scene file or 'caddy'"),
         (["."], "there is no scene '.'; give a scene file or 'caddy'"),
+        (["x" * 300], f"there is no scene '{'x' * 300}'; give a scene file or 'caddy'"),
         (["caddy", "-D", "coat=foo"], "cannot load 'caddy': neither Mitsuba nor Urushi has a plu"),
         (["caddy", "-D", "spp=x"], "cannot load 'caddy': could not parse integer value \"x\""),
     ],

@@ -72,7 +72,7 @@ def test_albedo_of_a_white_stack_is_one(tmp_path):
         (["lacquer"], "cannot read the description 'lacquer'"),
         (["conductor(alpha=7, r0=0.5)"], "alpha is 7"),
         (["diffuse(0.5)", "--albedo"], "--albedo needs a stack"),
-        (["diffuse(0.5)", "--pairs", "/nowhere.npz"], "it does not exist"),
+        (["diffuse(0.5)", "--pairs", "/nowhere.npz"], "No such file or directory"),
         (["diffuse(0.5)", "-o", "/nowhere/f.npz"], "cannot write '/nowhere/f.npz'"),
     ],
 )

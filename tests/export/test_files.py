@@ -144,6 +144,12 @@ def test_command_writes_materials(model, materials, tmp_path, export, language, 
     assert not (tmp_path / f"new.{suffix}").exists()
 
 
+def test_no_code_is_written_without_its_texture(export, tmp_path):
+    status, _, error = export("-l", "wgsl", "--texture", tmp_path / "nowhere" / "basis.dds")
+    assert status == 2 and "cannot write" in error and "basis.dds" in error
+    assert not (tmp_path / "code.txt").exists()
+
+
 def test_command_writes_textures(model, packed, tmp_path, export):
     grid = TexelGrid(8, 4)
     write_texture(tmp_path / "codes", packed, grid, model.fingerprint)

@@ -180,8 +180,9 @@ def test_errors_name_the_cure(model, materials):
     for exported in (material.shader, material.shader_texture):
         with pytest.raises(ParameterError, match="there is no language 'cg'; choose one of glsl, "):
             exported("cg")
-    with pytest.raises(ParameterError, match="'a b' is not a valid prefix of function names"):
-        material.shader("glsl", "a b")
+    for prefix in ("a b", "", "1a", "_a", "a_", "a__b", "gl", "gl_a"):
+        with pytest.raises(ParameterError, match=f"'{prefix}' is not a valid prefix of function"):
+            material.shader("glsl", prefix)
     two = Material(material.latents[:2], model)
     with pytest.raises(ParameterError, match="has 2 channels; only materials of one or three"):
         two.shader("glsl")

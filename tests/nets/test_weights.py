@@ -9,11 +9,13 @@ from tests.fuzzing import fuzz
 from tests.untrained import untrained
 
 from urushi.errors import FileError, ParameterError
+from urushi.files import read_tensors, write_tensors
 from urushi.nets import weights
 from urushi.nets.networks import Architecture
 
 SIZES = {"functions": 3, "layerer": (8,), "probes": 16}
 ARCH = Architecture(**SIZES)
+NOT_FINITE = np.full(ARCH.parameter_shapes()["basis.rows"], np.inf, np.float32)
 
 
 def init(seed: int = 0) -> dict[str, np.ndarray]:
@@ -75,6 +77,7 @@ def test_a_model_does_not_change_with_what_it_was_made_from():
         ("extra", np.zeros(1, np.float32), "is unknown"),
         ("layerer.0.bias", np.zeros(9, np.float32), "has shape"),
         ("layerer.0.bias", np.full(8, np.nan, np.float32), "holds a number that is not finite"),
+        ("basis.rows", NOT_FINITE, "holds a number that is not finite"),
     ],
 )
 def test_broken_parameters_are_refused(name, value, words, tmp_path):
@@ -98,6 +101,9 @@ def test_broken_parameters_are_refused(name, value, words, tmp_path):
         (described(version=9), "has version 9 .* reads version 1"),
         (described(architecture=None), "is damaged"),
         (described(architecture={"probes": 1e9}), "architecture's probes is 1000000000"),
+        (described(architecture={"azimuthal": [1]}), r"azimuthal is \(1,\); it must be at most 0"),
+        (described(architecture={"widths": 2, "azimuthal": ["a"]}), "azimuthal is "),
+        (described(architecture={"widths": 2, "azimuthal": [32]}), "azimuthal is "),
         (described(architecture={"kind": "paper"}), "'paper', but those of 'urushi' are"),
     ],
 )
@@ -105,6 +111,26 @@ def test_other_descriptions_are_refused(text, words, tmp_path):
     path = tmp_path / "other.safetensors"
     path.write_bytes(content(init(), **({"format": "pt"} if text is None else {"urushi": text})))
     with pytest.raises(FileError, match=rf"other\.safetensors.*{words}"):
+        weights.read(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("basis.grid", np.full((2, 4), np.nan), "'basis.rows' holds a number that is not finite"),
+        ("basis.grid", np.full((2, 4), 1e300), "'basis.rows' holds a number that is not finite"),
+        ("basis.grid", np.ones((2, 4), np.complex64), "complex numbers"),
+        ("basis.rows", None, "'basis.rows' is missing"),
+    ],
+)
+def test_damaged_rows_of_a_basis_are_refused(saved, name, value, words):
+    """Also in files, which hold them in fixed point."""
+    path, _ = saved
+    description, arrays = read_tensors(path, "weights")
+    arrays = {n: x for n, x in (arrays | {name: value}).items() if x is not None}
+    del description["kind"]
+    write_tensors(path, "weights", description, arrays)
+    with pytest.raises(FileError, match=f"is damaged: .*{words}"):
         weights.read(path)
 
 
@@ -121,6 +147,8 @@ def test_mutants_are_refused_in_one_sentence(saved, tmp_path):
         (lambda path: weights.read(path), "weights file"),
         (lambda path: weights.save(path / "a" / "w", ARCH, init(), {}), "cannot write"),
         (lambda _: weights.find("large"), "no weights 'large'; give a file, or 'default'"),
+        (lambda path: weights.find(path), "no weights '.*'; give a file"),
+        (lambda path: weights.find("x" * 300), "no weights 'xxx"),
     ],
 )
 def test_missing_files_and_folders_are_named(call, sentence, tmp_path):

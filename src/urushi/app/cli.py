@@ -116,7 +116,14 @@ def main(
                 file=sys.stderr,
             )
             return FAILURE
-        raise
+        if error.filename is None:
+            raise
+        print(
+            f"urushi: cannot use '{error.filename}': {error.strerror}; check the path and its "
+            "permissions",
+            file=sys.stderr,
+        )
+        return FAILURE
 
 
 def _run(arguments: Sequence[str], commands: Commands, prog: str, description: str) -> int:

@@ -40,7 +40,7 @@ def describe(text: str) -> Any:
     text = library().get(text.strip(), text)
     try:
         tree = ast.parse(text.strip(), mode="eval")
-    except (SyntaxError, ValueError) as error:
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise _refuse(text, "it is not a Python expression") from error
     if not isinstance(tree.body, ast.Call):
         raise _refuse(text, "it is neither a call nor a name of `urushi materials`")
@@ -50,7 +50,7 @@ def describe(text: str) -> Any:
 def is_description(text: str) -> bool:
     """Whether `text` is a call, or begins one of `makers`, or is in the library: no file's name."""
     calls, text = tuple(f"{maker}(" for maker in makers()), text.strip()
-    is_call = re.fullmatch(r"\w+\(.*\)", text, re.DOTALL) is not None
+    is_call = re.fullmatch(r"[\w.]+\(.*\)", text, re.DOTALL) is not None
     return is_call or text.startswith(calls) or text in library()
 
 
@@ -68,7 +68,7 @@ def _build(node: ast.expr, text: str) -> Any:
     for key, value in ((str(keyword.arg), keyword.value) for keyword in node.keywords):
         if key in named:
             raise _refuse(text, f"'{key}' is given twice")
-        if key in switches and isinstance(value, ast.Constant):
+        if key in switches and isinstance(value, ast.Constant) and isinstance(value.value, int):
             named[key] = bool(value.value)
         else:
             named[key] = _build(value, text)

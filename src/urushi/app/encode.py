@@ -13,7 +13,7 @@ from tqdm import tqdm
 from urushi.app.describe import describe, is_description
 from urushi.checks import DEFAULT_COAT
 from urushi.errors import FileError, ParameterError, UrushiError
-from urushi.files import SUFFIX, new_folder, tensor_file_kind
+from urushi.files import SUFFIX, is_file, new_folder, tensor_file_kind
 
 if TYPE_CHECKING:
     from urushi.material import Material
@@ -114,7 +114,7 @@ def opened(text: str, bsdfs: Callable[[Path], Sequence[Any]]) -> Any:
     if is_description(text):
         return describe(text)
     path, name = scene_and_bsdf(text)
-    if not path.is_file():
+    if not is_file(path):
         raise FileError(
             f"'{path}' is neither a file nor a description; give a measured BRDF or a Mitsuba "
             'scene file, or write for example "conductor(alpha=0.2, r0=0.9)"'
@@ -141,6 +141,8 @@ def scene_bsdfs(path: Path, mode: str) -> list[Any]:
 
 def choose(bsdfs: Sequence[Any], name: str | None, path: Path) -> Any:
     """The BSDF with the id `name`, or the only one if `name` is None."""
+    if not bsdfs:
+        raise ParameterError(f"'{path}' has no BSDF on a shape; give a scene with one")
     by_id = {bsdf.id(): bsdf for bsdf in bsdfs if bsdf.id()}
     names = ", ".join(sorted(by_id)) or "none"
     if len(by_id) < len(bsdfs):

@@ -60,15 +60,15 @@ class Export:
     def run(self) -> int:
         path = self._texture_path()
         text, table, codes = self._exported()
-        with atomic_write(self.output) as temporary:
-            temporary.write_text(text, encoding="utf-8")
         written = [self.output]
-        if table is not None:
-            write_table(path, table)
-            written.append(path)
-        if codes is not None:
-            written.append(path.with_stem(f"{path.stem}-codes"))
-            _write_image(written[-1], codes)
+        with atomic_write(self.output) as temporary:  # no code without its textures
+            temporary.write_text(text, encoding="utf-8")
+            if table is not None:
+                write_table(path, table)
+                written.append(path)
+            if codes is not None:
+                written.append(path.with_stem(f"{path.stem}-codes"))
+                _write_image(written[-1], codes)
         print(*written, sep="\n")
         return 0
 
@@ -195,7 +195,7 @@ def scene(found: "Surface | Mix", folder: Path) -> dict[str, Any]:
     if not isinstance(found, Mix):
         shape = OpenPBR(openpbr(**shape["bsdf"]).parameters).on({"type": "sphere"})
     name = re.sub(r"[^A-Za-z0-9_-]", "_", found.name)
-    return {
+    parts = {
         "type": "scene",
         "integrator": {"type": "volpath" if "interior" in shape else "path"},
         "sensor": {
@@ -211,9 +211,10 @@ def scene(found: "Surface | Mix", folder: Path) -> dict[str, Any]:
             "center": [3, 5, 4],
             "emitter": {"type": "area", "radiance": 12.0},
         },
-        name: shape["bsdf"],
-        "object": shape | {"bsdf": {"type": "ref", "id": name}},
     }
+    name += "_material" * (name in (*parts, "object"))
+    parts[name] = shape["bsdf"]
+    return parts | {"object": shape | {"bsdf": {"type": "ref", "id": name}}}
 
 
 def xml(description: dict[str, Any]) -> str:

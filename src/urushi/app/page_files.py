@@ -168,8 +168,7 @@ def packed_weights(model: Model) -> bytes:
         for name, array in model.params.items()
         if name not in ("basis.measure", "basis.prior")
     }
-    if "basis.rows" in arrays:
-        arrays |= packed_rows(arrays.pop("basis.rows"), SHAPE)
+    arrays |= packed_rows(arrays.pop("basis.rows"), SHAPE)
     description = {
         "kind": "weights",
         "version": FORMAT_VERSION,

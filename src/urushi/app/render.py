@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from urushi import platform
 from urushi.errors import FileError, ParameterError, PlatformError
-from urushi.files import atomic_write, new_folder
+from urushi.files import atomic_write, is_file, new_folder
 from urushi.ranges import Index, Pixels, Samples, Seed, Threads
 
 SUFFIXES = (".exr", ".png", ".jpg")
@@ -89,7 +89,7 @@ class Render:
             if not (key and equals):
                 raise ParameterError(f"-D '{pair}' is not of the form key=value")
         path, name = Path(self.scene), None
-        if not (path.is_file() or path.suffix):
+        if not (is_file(path) or path.suffix):
             if self.scene != DEMO_SCENE.parent.name:
                 raise ParameterError(
                     f"there is no scene '{self.scene}'; give a scene file or 'caddy'"
@@ -127,6 +127,8 @@ class Render:
                 f"--sensor is {self.sensor}, but '{self.scene}' has {sensors} sensors; give an "
                 "index from 0, or add a <sensor> to the scene"
             )
+        if scene.integrator() is None:
+            raise FileError(f"'{self.scene}' has no integrator; add an <integrator> to the scene")
         before = dr.thread_count()
         # Not while files are read and written: see `set_variant`.
         dr.set_thread_count(self.threads or before)
@@ -200,9 +202,9 @@ def load_scene(
     """
     import mitsuba as mi
 
-    if not path.is_file():
+    if not is_file(path):
         raise FileError(f"scene file '{path}' does not exist")
-    if weights is not None and Path(weights).exists():
+    if weights is not None and is_file(weights):
         weights = str(Path(weights).absolute())  # Mitsuba searches the scene's folder
     resolver = mi.file_resolver()
     resolver.prepend(str(path.parent))

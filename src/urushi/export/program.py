@@ -1,5 +1,6 @@
 """Programs: a material with known codes, and all materials of given weights."""
 
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -207,10 +208,10 @@ def _printer(language: str, prefix: str = PREFIX) -> Printer:
         raise ParameterError(
             f"there is no language '{language}'; choose one of {', '.join(LANGUAGES)}"
         )
-    if not (prefix.isascii() and prefix.isidentifier()) or "__" in prefix or prefix[0] == "_":
+    if not re.fullmatch(r"(?!gl_)([A-Za-z][A-Za-z0-9]*)(_[A-Za-z0-9]+)*", f"{prefix}_f"):
         raise ParameterError(
             f"'{prefix}' is not a valid prefix of function names; use letters, digits and single "
-            "underscores, beginning with a letter"
+            "underscores between them, beginning with a letter, and not the reserved gl"
         )
     return LANGUAGES[language](prefix)
 

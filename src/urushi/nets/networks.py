@@ -8,6 +8,7 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core.mixture import Mixture
+from urushi.core.stretched import FACTORS
 from urushi.core.table import SHAPE
 from urushi.errors import ParameterError
 from urushi.nets import basis, layerer, proposal, transmittance
@@ -47,6 +48,13 @@ class Architecture:
             raise ParameterError(f"architecture's activation is unknown: {self.activation!r}")
         for name in ("layerer", "azimuthal"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
+        counts, most = self.azimuthal, FACTORS * (self.widths == 2)
+        whole = all(isinstance(count, int) and count >= 0 for count in counts)
+        if not whole or len(counts) > most or sum(counts) >= self.functions:
+            raise ParameterError(
+                f"architecture's azimuthal is {counts!r}; it must be at most {most} numbers of "
+                f"functions, fewer than {self.functions} in all"
+            )
 
     @property
     def lobe(self) -> int:

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from urushi import files
+from urushi.checks import real
 from urushi.errors import FileError, ParameterError
 from urushi.nets.basis import Basis, grid_of, on_grid
 from urushi.nets.mlp import Params
@@ -46,9 +47,9 @@ class Model:
         Raises:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
-        if "basis.rows" in params:
-            params = dict(params) | {"basis.rows": on_grid(np.asarray(params["basis.rows"]))}
         checked = checked_parameters(params, arch.parameter_shapes())
+        checked["basis.rows"] = on_grid(checked["basis.rows"])
+        checked["basis.rows"].flags.writeable = False
         return cls(arch, checked, dict(header), fingerprint(arch.to_json(), checked))
 
     @property
@@ -84,7 +85,7 @@ def checked_parameters(
         raise ParameterError(f"the parameter '{unmatched[0]}' is {state} in these weights")
     checked = {}
     for name, shape in shapes.items():
-        array = checked[name] = np.array(params[name], dtype=np.float32, order="C")
+        array = checked[name] = np.array(real(params[name], np.float32), order="C")
         if array.shape != shape:
             raise ParameterError(
                 f"the parameter '{name}' has shape {array.shape}, but its architecture requires "
@@ -146,7 +147,8 @@ def read(path: str | os.PathLike) -> Model:
     def made(arch: Any, params: dict[str, np.ndarray], header: Mapping[str, Any]) -> Model:
         if "basis.grid" in params:
             low, step = params.pop("basis.grid")
-            params["basis.rows"] = (params["basis.rows"] * step + low).astype(np.float32)
+            if "basis.rows" in params:  # else it is missing, as `Model.of` says
+                params["basis.rows"] = params["basis.rows"] * step + low
         return Model.of(Architecture(**arch), params, header)
 
     return read_file(path, KIND, made)
@@ -240,7 +242,7 @@ def find(given: Weights | None) -> Model:
     if given is None or str(given) in (DEFAULT, ANISOTROPIC):
         return shipped(DEFAULT if given is None else str(given))
     path = files.as_path(given)
-    if not path.exists():
+    if not files.is_file(path):
         raise FileError(
             f"there are no weights '{given}'; give a file, or '{DEFAULT}' for the shipped ones"
         )
