@@ -16,7 +16,7 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 import tyro
-from benchmarks.measures import bsdf_values, channel_errors, coat_errors
+from benchmarks.measures import bsdf_values, channel_errors, coat_errors, moved
 from benchmarks.showing import table
 from research.rivals import openpbr_recipe
 from tqdm import tqdm
@@ -68,8 +68,7 @@ def errors(values: np.ndarray, reference: Arrays) -> np.ndarray:
 
 def errors_table(names: Iterable[str], reference: Arrays, results: Mapping[str, np.ndarray]) -> str:
     """E and error of the albedo [%] by material and renderer, and the reference's noise."""
-    # The mean size of a normal error is 0.8 of its deviation.
-    noise = errors(reference["f"] + np.sqrt(2 / np.pi) * reference["se"], reference)[:, 0]
+    noise = errors(moved(reference["f"], reference["se"]), reference)[:, 0]
     found = np.stack(list(results.values()), axis=1)
     rows = [
         [name, *(f"{100 * e:.2f} / {100 * a:+.1f}" for e, a in own), f"{100 * noise[k]:.2f}"]

@@ -52,21 +52,13 @@ BESIDE = (0.35, 0.5)
 
 @dataclass(frozen=True)
 class View:
-    """A scene as it is rendered.
+    """A scene as it is rendered."""
 
-    Attributes:
-        scene: one of `SCENES`, or `TEXTURED`.
-        light: one of `LIGHTS`, or `BOTH`.
-        width: of the picture [pixels]; the height is 3/4 of it.
-        detail: factor on the size of the textures.
-        depth: longest path, in segments; 2: direct light alone, which has no caustics.
-    """
-
-    scene: str
-    light: str = OWN
-    width: int = 96
-    detail: float = 0.25
-    depth: int = 6
+    scene: str  # one of `SCENES`, or `TEXTURED`
+    light: str = OWN  # one of `LIGHTS`, or `BOTH`
+    width: int = 96  # of the picture [pixels]; the height is 3/4 of it
+    detail: float = 0.25  # factor on the size of the textures
+    depth: int = 6  # longest path, in segments; 2: direct light alone, which has no caustics
 
     @property
     def name(self) -> str:

@@ -34,17 +34,12 @@ BUDGET = 1 << 20
 
 @dataclass(frozen=True)
 class Subject:
-    """A BRDF to represent, as a function alone, so that no method knows its parameters.
-
-    Attributes:
-        name, group: its name, and one of `COUNTS`.
-        f: (wi, wo) -> (N, 3) [1/sr].
-        simulated: of a stack, `walked` of its table; None: f has no noise.
-    """
+    """A BRDF to represent, as a function alone, so that no method knows its parameters."""
 
     name: str
-    group: str
+    group: str  # one of `COUNTS`
     f: Brdf
+    # Of a stack, `walked` of its table; None: f has no noise
     simulated: Callable[..., tuple[np.ndarray, np.ndarray]] | None = None
 
 
@@ -116,13 +111,11 @@ def training_set(
 class Measured:
     """A measured material.
 
-    Attributes:
-        name: name of the material, unique in its set.
-        path: a MERL or RGL file, or an archive (.npz) of networks of 675 weights by name. The table
-            of the network `name` in MERL's bins stands in for a measured file.
+    Its file is one of MERL or RGL, or an archive (.npz) of networks of 675 weights by name. The
+    table of the network `name` in MERL's bins stands in for a measured file.
     """
 
-    name: str
+    name: str  # unique in its set
     path: Path
 
     @property

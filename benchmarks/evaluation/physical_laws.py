@@ -34,20 +34,13 @@ RISE = 1e-5
 
 @dataclass(frozen=True)
 class Figure:
-    """The worst deviation from one law.
+    """The worst deviation from one law."""
 
-    Attributes:
-        name: the law in words.
-        value: the figure, in `unit`.
-        limit: allowed value; None if the figure is only reported.
-        lower: whether `limit` is a lower bound.
-    """
-
-    name: str
+    name: str  # the law in words
     value: float
     unit: str
-    limit: float | None = None
-    lower: bool = False
+    limit: float | None = None  # allowed value; None if the figure is only reported
+    lower: bool = False  # whether `limit` is a lower bound
 
     @property
     def kept(self) -> bool | None:

@@ -22,38 +22,26 @@ from urushi.walk import StackTable, analytic, walk_pairs
 
 @dataclass(frozen=True)
 class Group:
-    """Held-out stacks of one distribution.
+    """Held-out stacks of one distribution."""
 
-    Attributes:
-        name: unique; seeds the group's stacks and directions.
-        distribution: of the stacks' parameters.
-        stacks: number of stacks.
-        probed: numbers of coats, each at least one. For each number the lowest coats over the
-            bottom are simulated at the probe pairs too, for codes of them.
-    """
-
-    name: str
+    name: str  # unique; seeds the group's stacks and directions
     distribution: Table2 | Extended
-    stacks: int
+    stacks: int  # their number
+    # Numbers of coats, each at least one. For each number the lowest coats over the bottom are
+    # simulated at the probe pairs too, for codes of them.
     probed: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the table: errors over the stacks of several groups.
-
-    Attributes:
-        name: of the line.
-        groups: the names of the groups.
-        encoded: number of each stack's lowest coats that are encoded with the bottom, from values
-            at the probe pairs; the others are layered. -1: all.
-        how: "code" or "table" by light transport, or "network" by the layering network.
-    """
+    """One line of the table: errors over the stacks of several groups."""
 
     name: str
-    groups: tuple[str, ...]
+    groups: tuple[str, ...]  # their names
+    # Number of each stack's lowest coats that are encoded with the bottom, from values at the probe
+    # pairs; the others are layered. -1: all.
     encoded: int = 0
-    how: str = "code"
+    how: str = "code"  # or "table", both by light transport, or "network", by the layering network
 
 
 #: The kinds of bottom that are measured, with their names in the table.

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from benchmarks import measures
 from benchmarks.evaluation import predict, samples
 from benchmarks.evaluation.distributions import anisotropic
 from benchmarks.evaluation.report import summary
@@ -106,11 +107,6 @@ def values(held: Samples, encoded: bool, how: str) -> np.ndarray:
     return predict.evaluate(materials, held.wi, held.wo)
 
 
-def noisy(held: Samples) -> np.ndarray:
-    """The reference moved by its noise: a normal error has 0.8 of its deviation on average."""
-    return held.f + held.se * np.sqrt(2 / np.pi)
-
-
 def by_rival(rival: Any, table: StackTable, held: Samples) -> np.ndarray:
     """Values of a model of `research.rivals` at the pairs for E."""
     wi, wo = held.wi[:, :E_PAIRS], held.wo[:, :E_PAIRS]
@@ -146,10 +142,10 @@ def measure(group: Group, options: Options) -> Found:
             "Weier": [by_rival(weier, held.table, held) for held in sets],
             "one width": [by_rival(belcour, one_width(held.table), held) for held in sets],
             "networks": [values(held, *WAYS["layered"]) for held in sets],
-            "reference": [noisy(held) for held in sets],
+            "reference": [measures.moved(held.f, held.se) for held in sets],
         }
         return {name: _errors(f, sets) for name, f in found.items()}
-    own = _errors(map(noisy, sets), sets).mean()
+    own = _errors([measures.moved(held.f, held.se) for held in sets], sets).mean()
     result: Found = {}
     for way, how in WAYS.items():
         f = [values(held, *how) for held in sets]

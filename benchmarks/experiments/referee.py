@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.experiment import NETWORKS, Experiment, Found, Options, kept
-from benchmarks.measures import channel_errors, coat_errors
+from benchmarks.measures import channel_errors, coat_errors, moved
 from benchmarks.referee import materials, methods
 from benchmarks.showing import table
 
@@ -39,7 +39,7 @@ def measure(name: str, options: Options) -> dict[str, Any]:
     chosen = list(materials.STACKS)[:: max(1, round(1 / options.share))]
     if name == TRUTH:
         own = (truth(x, walks) for x in chosen)
-        e = [channel_errors(f + np.sqrt(2 / np.pi) * se, f, wi, wo) for f, se in own]
+        e = [channel_errors(moved(f, se), f, wi, wo) for f, se in own]
         return {"E": {x: v.mean() for x, v in zip(chosen, e, strict=True)}}
     method = methods.METHODS[name]
     try:

@@ -23,20 +23,13 @@ SAMPLES, SECONDS, SEEDS = 1024, 4.0, {"walk": 1, "networks": 2}
 
 @dataclass(frozen=True)
 class Case:
-    """What is rendered, and how.
+    """What is rendered, and how."""
 
-    Attributes:
-        title: of the panel.
-        view: the scene.
-        samples: of the walk, and those of codes cost the same time; 0: both take one sample.
-        insets: column and row of their upper left pixels.
-        paper: samples of both methods in the paper's Table 3, and their mean squared errors.
-    """
-
-    title: str
+    title: str  # of the panel
     view: View
-    samples: int
-    insets: tuple[tuple[int, int], tuple[int, int]]
+    samples: int  # of the walk; those of codes cost the same time; 0: both take one sample
+    insets: tuple[tuple[int, int], tuple[int, int]]  # column and row of their upper left pixels
+    # Samples of both methods in the paper's Table 3, and their mean squared errors
     paper: dict[str, tuple[int, float]] | None = None
 
 

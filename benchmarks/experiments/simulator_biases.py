@@ -6,7 +6,7 @@ numbers as the right walk, so that their difference has little noise.
 """
 
 import contextlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 from unittest import mock
@@ -27,29 +27,15 @@ from urushi.walk.exits import ExitPaths
 from urushi.walk.interface import flip
 from urushi.walk.simulate import albedo
 
+_through_top = ExitPaths.through_top
 
-@contextlib.contextmanager
-def reverse_density() -> Iterator[None]:
+
+def _reverse_through_top(self: ExitPaths, w: Any) -> tuple[Any, Any]:
     """The weight of a sampled direction uses the density of leaving, not that of connecting."""
-
-    def through_top(self: ExitPaths, w: Any) -> tuple[Any, Any]:
-        f, _ = _through_top(self, w)
-        # The faulty line: wo given the inner direction. The rival draws the inner one given wo.
-        _, pdf = interface.transmission(flip(-w), flip(self._wo), self._alpha, 1 / self._eta)
-        return f, pdf
-
-    with mock.patch.object(ExitPaths, "through_top", through_top):
-        yield
-
-
-@contextlib.contextmanager
-def dropped_connection() -> Iterator[None]:
-    """A surface's vertex whose own sample fails makes no connection."""
-    with (
-        mock.patch.object(walk, "bottom_event", _dropping(walk.bottom_event)),
-        mock.patch.object(walk, "inner_event", _dropping(walk.inner_event)),
-    ):
-        yield
+    f, _ = _through_top(self, w)
+    # The faulty line: wo given the inner direction. The rival draws the inner one given wo.
+    _, pdf = interface.transmission(flip(-w), flip(self._wo), self._alpha, 1 / self._eta)
+    return f, pdf
 
 
 def _dropping(event: Callable[..., walk.Event]) -> Callable[..., walk.Event]:
@@ -64,10 +50,17 @@ def _dropping(event: Callable[..., walk.Event]) -> Callable[..., walk.Event]:
     return faulty
 
 
-_through_top = ExitPaths.through_top
+#: Contexts in which the walk has a fault.
+reverse_density = partial(mock.patch.object, ExitPaths, "through_top", _reverse_through_top)
+dropped_connection = partial(
+    mock.patch.multiple,
+    walk,
+    bottom_event=_dropping(walk.bottom_event),
+    inner_event=_dropping(walk.inner_event),
+)
 
 #: The walks by name, the right one first.
-VARIANTS = {
+VARIANTS: dict[str, Callable[[], Any]] = {
     "right": contextlib.nullcontext,
     "reverse density": reverse_density,
     "dropped connection": dropped_connection,

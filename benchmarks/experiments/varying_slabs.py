@@ -7,11 +7,11 @@ import mitsuba as mi
 import numpy as np
 from benchmarks.experiment import Experiment, Found, Options
 from benchmarks.showing import table
+from benchmarks.timing import evaluation
 from gallery.stage import rgb
 
 import urushi  # noqa: F401  # registers the plugins
 from urushi.core.direction_sets import cosine_pairs
-from urushi.mitsuba.reading import probing
 
 PAIRS, PLACES, SEED = 1000, 12, 2
 PAPER = {"type": "neural_layered", "alpha": 0.3, "int_ior": 1.4}
@@ -65,31 +65,24 @@ def measure(case: tuple[dict[str, Any], dict[str, tuple]], options: Options) -> 
         for (name, x), share in zip(ends.items(), (u, v, u * v), strict=False):
             value = between(x, share).tolist()
             constants[name] = rgb(*value) if len(value) > 1 else value[0]
-        both, uv = (textured, mi.load_dict(slab | constants)), (0.25 + 0.5 * u, 0.25 + 0.5 * v)
-        pairs = [[f_cos(x, wi, wo * [1, 1, side], uv) for x in both] for side in (1, -1)]
-        errors.append([np.abs(x - y).sum() / y.sum() for x, y in pairs])
+        both = textured, mi.load_dict(slab | constants)
+        uv = np.tile([0.25 + 0.5 * u, 0.25 + 0.5 * v], (len(wi), 1))
+        f_cos = [
+            [evaluation(x, wi, wo * [1, 1, side], uv)().numpy() for x in both] for side in (1, -1)
+        ]
+        errors.append([np.abs(x - y).sum() / y.sum() for x, y in f_cos])
     return {"seconds": seconds, "errors": errors}
-
-
-def f_cos(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: tuple[float, float]) -> np.ndarray:
-    si = probing.interaction(wi, np.tile(uv, (len(wi), 1)))
-    return bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(wo.T.astype(np.float32))).numpy()
 
 
 def tables(found: Found) -> list[str]:
     """The mean and the largest E of places."""
-    head = [
-        "textures",
-        "reflected: mean; largest E",
-        "transmitted: mean; largest E",
-        "load [CPU s]",
-    ]
+    head = ["textures", *(f"{x}: mean; largest E" for x in ("reflected", "transmitted"))]
     rows = []
     for name, case in found.items():
         errors = 100 * np.array(case["errors"])
         cells = [f"{x.mean():.2f}; {x.max():.2f} %" for x in errors.T]
         rows.append([name, *cells, f"{case['seconds']:.1f}"])
-    return [table(head, rows)]
+    return [table([*head, "load [CPU s]"], rows)]
 
 
 EXPERIMENT = Experiment(

@@ -39,17 +39,13 @@ PROGRAM, BPY = "URUSHI_OPENPBR_PROGRAM", "BPY_PYTHON"
 
 
 class Method(NamedTuple):
-    """A method.
+    """A method."""
 
-    Attributes:
-        f: (stack, walks, wi, wo) -> (N, C) [1/sr]; walks: of a pair, for random walks.
-        timed: the BSDF of Mitsuba whose evaluation is timed, for `mi.load_dict`; None: there is
-            none.
-        albedos: stack -> (3, C) at `materials.COSINES`; None: those of f.
-    """
-
+    # (stack, walks, wi, wo) -> (N, C) [1/sr]; walks: of a pair, for random walks
     f: Callable[..., np.ndarray]
+    # The BSDF of Mitsuba whose evaluation is timed, for `mi.load_dict`; None: there is none
     timed: Callable[[], dict[str, Any]] | None = None
+    # stack -> (3, C) at `materials.COSINES`; None: those of f
     albedos: Callable[[Stack], np.ndarray] | None = None
 
 

@@ -20,37 +20,21 @@ from threadpoolctl import threadpool_limits
 from urushi.core import direction_sets
 from urushi.core.directions import directions_at
 from urushi.core.error_metrics import energy_weight
-from urushi.measured.tabulated import evaluate
+from urushi.measured.tabulated import bin_centres, evaluate
 from urushi.nets import lobe as analytic
 
 
-class Lobe(NamedTuple):
-    """One lobe, ks D G F / (4 cos cos).
-
-    Attributes:
-        alpha: GGX width, the same in all channels.
-        f0: Schlick's (1994) reflectance at normal incidence, the same in all channels.
-        weight: (3,) the colour ks that multiplies it.
-    """
-
-    alpha: float
-    f0: float
-    weight: np.ndarray
-
-
 class GgxFit(NamedTuple):
-    """A BRDF of a Lambertian part and lobes.
+    """A BRDF of a Lambertian part and lobes ks D G F / (4 cos cos).
 
     Channels share widths and Fresnel terms, and colours are free, as in Ngan et al. 2005
     ("Experimental analysis of BRDF models").
-
-    Attributes:
-        diffuse: (3,) the reflectance kd.
-        lobes: one or two.
     """
 
-    diffuse: np.ndarray
-    lobes: tuple[Lobe, ...]
+    diffuse: np.ndarray  # (3,) the reflectance kd
+    alpha: np.ndarray  # (L,) GGX widths
+    f0: np.ndarray  # (L,) Schlick's (1994) reflectances at normal incidence
+    weight: np.ndarray  # (L, 3) the colours ks
 
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         """float32 (N, 3) [1/sr], without cosine, of unit vectors (N, 3)."""
@@ -59,8 +43,8 @@ class GgxFit(NamedTuple):
     def at(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """f (N, 3) of unit vectors above the horizon."""
         result = np.broadcast_to(self.diffuse / np.pi, (len(wi), 3))
-        for lobe in self.lobes:
-            result = result + grey(lobe.alpha, lobe.f0, wi, wo)[:, None] * lobe.weight
+        for alpha, f0, weight in zip(self.alpha, self.f0, self.weight, strict=True):
+            result = result + grey(alpha, f0, wi, wo)[:, None] * weight
         return result
 
 
@@ -103,8 +87,7 @@ F0 = -7.0, 7.0
 #: Smallest cosine of a fitted direction: grazing angles are rarely measured.
 LEAST_COSINE = 0.02
 
-#: Numbers of angles of the fitted pairs: theta_h (spaced as squares, like MERL's bins), theta_d,
-#: phi_d.
+#: Bins of the fitted pairs, as MERL's: along theta_h, theta_d and phi_d.
 ANGLES = 64, 16, 8
 
 
@@ -156,11 +139,8 @@ def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> Ggx
 
 
 def _model(x: np.ndarray) -> GgxFit:
-    lobes = [
-        Lobe(float(np.exp(p[0])), float(1 / (1 + np.exp(-p[1]))), np.exp(p[2:]))
-        for p in x[3:].reshape(-1, 5)
-    ]
-    return GgxFit(np.exp(x[:3]), tuple(lobes))
+    alpha, f0, *weight = x[3:].reshape(-1, 5).T
+    return GgxFit(np.exp(x[:3]), np.exp(alpha), 1 / (1 + np.exp(-f0)), np.exp(weight).T)
 
 
 def _initial(alphas: tuple[float, ...], values: np.ndarray) -> np.ndarray:
@@ -183,9 +163,7 @@ def pairs() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     Returns:
         wi, wo and weights (N,): solid angles times cosines, up to a factor.
     """
-    half, difference, turn = ((np.arange(n) + 0.5) / n for n in ANGLES)
-    grid = np.meshgrid(half**2 * (np.pi / 2), difference * (np.pi / 2), turn * np.pi, indexing="ij")
-    theta_h, theta_d, phi_d = (angle.ravel() for angle in grid)
+    theta_h, theta_d, phi_d = (x.ravel() for x in np.broadcast_arrays(*bin_centres(ANGLES)))
     wi, wo = directions_at(theta_h, theta_d, phi_d)
     # dwi dwo = 4 cos theta_d dh dd (Rusinkiewicz 1998); theta_h is the square of an even spacing.
     weight = np.sin(theta_h) * np.sqrt(theta_h) * np.sin(theta_d) * np.cos(theta_d)

@@ -82,16 +82,10 @@ def train(f: Brdf, *, passes: int, samples: int) -> NeuralBtf:
 
 
 class Unified(NamedTuple):
-    """The shared networks of Rainer et al. 2020.
+    """The shared networks of Rainer et al. 2020."""
 
-    Attributes:
-        first: layers of the encoder that see one measurement each.
-        second: layers of the encoder after the mean over measurements.
-        decoder: layers of the decoder.
-    """
-
-    first: Layers
-    second: Layers
+    first: Layers  # of the encoder, which see one measurement each
+    second: Layers  # of the encoder after the mean over measurements
     decoder: Layers
 
     def encode(self, wi: np.ndarray, wo: np.ndarray, values: np.ndarray) -> NeuralBtf:

@@ -47,18 +47,13 @@ def tabulated(values: np.ndarray) -> Brdf:
 
 @dataclass(frozen=True)
 class Form:
-    """A model of few parameters.
+    """A model of few parameters."""
 
-    Attributes:
-        ranges: by name, the least and the greatest value.
-        colours: names of the parameters that have one value for each channel.
-        initial_guesses: of some parameters; others begin in the middle of their range.
-        f: (parameters, wi, wo) -> (N, 3) [1/sr].
-    """
-
-    ranges: dict[str, tuple[float, float]]
-    colours: tuple[str, ...]
+    ranges: dict[str, tuple[float, float]]  # by name, the least and the greatest value
+    colours: tuple[str, ...]  # names of the parameters that have one value for each channel
+    # Of some parameters; others begin in the middle of their range
     initial_guesses: tuple[dict[str, float], ...]
+    # (parameters, wi, wo) -> (N, 3) [1/sr]
     f: Callable[[dict[str, Any], np.ndarray, np.ndarray], np.ndarray]
 
     def size(self) -> int:
