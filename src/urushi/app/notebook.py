@@ -28,15 +28,10 @@ REMEMBERED = 32
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """A page that IPython and Jupyter show.
+    """A page that IPython and Jupyter show."""
 
-    Attributes:
-        document: the page, a single HTML document that needs no server.
-        height: in a notebook [pixels].
-    """
-
-    document: str
-    height: int
+    document: str  # the page, a single HTML document that needs no server
+    height: int  # in a notebook [pixels]
 
     def __repr__(self) -> str:
         return f"Page({len(self.document)} characters)"

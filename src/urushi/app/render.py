@@ -28,10 +28,6 @@ NO_PLUGIN_CURE = (
     "that package's command, or import it in Python before you load the scene"
 )
 
-#: Camera rays of a pass, at most. Recording a pass takes up to half a second, so that fewer cost
-#: time.
-RAYS = 1 << 22
-
 #: The scene of `urushi demo`, which `python -m gallery caddy` makes.
 DEMO_SCENE = Path(__file__).parent / "caddy" / "scene.xml"
 
@@ -79,8 +75,9 @@ class Render:
     seed: Seed = 0
     """Seed of the random numbers."""
 
-    #: Camera rays of a pass, at most.
-    RAYS = RAYS
+    #: Camera rays of a pass, at most. Recording a pass takes up to half a second, so that fewer
+    #: cost time.
+    RAYS = 1 << 22
 
     def run(self) -> int:
         definitions = {}
@@ -164,7 +161,7 @@ def passes(
             progress.update(samples)
 
 
-def rendered(scene: Any, sensor: int, spp: int, seed: int, rays: int = RAYS) -> np.ndarray:
+def rendered(scene: Any, sensor: int, spp: int, seed: int, rays: int) -> np.ndarray:
     """The picture (H, W, C) of `spp` samples per pixel, the mean over its passes.
 
     It depends only on the arguments. rays: of the camera in a pass, at most.
