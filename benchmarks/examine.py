@@ -145,7 +145,7 @@ def main(
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])],
 ) -> None:
     """Print the table and write the pictures into the folder `output`."""
-    bsdfs = functools.cache(functools.partial(scene_bsdfs, mode="llvm_ad_rgb"))
+    bsdfs = functools.cache(scene_bsdfs)
     targets, rows = Encode(sources, output).targets(), []
     opened_sources = [opened(text, bsdfs) for text in sources]
     folder = new_folder(output)

@@ -33,6 +33,7 @@ ERRORS = {
     "encode": [
         (["scene.xml"], "has 2 BSDFs; select one by 'scene.xml#ID' with an ID from: floor, wall"),
         (["scene.xml#roof"], "has no BSDF 'roof' on a shape; it has: floor, wall"),
+        (["empty.xml"], "'empty.xml' has no BSDF on a shape; give a scene with one"),
         (["none.xml"], "has 2 BSDFs; select one by 'none.xml#ID' with an ID from: none; give the"),
         (["scene.xml#wall", "-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'"),
         (["absent.xml"], "'absent.xml' is neither a file nor a description"),
@@ -50,6 +51,8 @@ ERRORS = {
     ],
     "layer": [
         (["missing.safetensors"], "missing.safetensors"),
+        (["missing"], "'missing' is neither a file nor a description"),
+        (["scene.xml#roof"], "has no BSDF 'roof' on a shape; it has: floor, wall"),
         ([GOLD, "--alpha-u", "0.1"], "alpha_v"),
         ([GOLD, "--alpha", "0.1", "--alpha-u", "0.1", "--alpha-v", "0.2"], "alpha"),
         ([GOLD, "--albedo", "0.5", "1.5", "0.5"], "albedo is 1.5"),
@@ -67,6 +70,7 @@ def test_errors(command, arguments, sentence, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.xml").write_text(SCENE.format("wall", "0.5"))
     (tmp_path / "none.xml").write_text(re.sub(r' id="\w+"', "", SCENE.format("wall", "0.5")))
+    (tmp_path / "empty.xml").write_text('<scene version="3.0.0"/>')
     urushi.encode(urushi.diffuse(0.5)).save(tmp_path / "gold")
     assert cli.main([command, *arguments, *([] if "-o" in arguments else OUTPUT)]) == 2
     message = capsys.readouterr().err
@@ -154,6 +158,16 @@ def test_layer_is_that_of_python(flags, top, medium, tmp_path, capsys):
         assert cli.main(["layer", source, *flags.split(), "-o", str(coated)]) == 0
         assert capsys.readouterr().out == f"{coated}\n"
         assert urushi.load(coated) == expected
+
+
+def test_a_bsdf_of_a_scene_is_coated_as_its_file(tmp_path):
+    wall, file = tmp_path / "scene.xml", tmp_path / "wall.safetensors"
+    wall.write_text(SCENE.format("wall", "0.1, 0.5, 0.8"))
+    assert cli.main(["encode", f"{wall}#wall", "-o", str(file)]) == 0
+    coated = [tmp_path / "a", tmp_path / "b"]
+    for source, target in zip((f"{wall}#wall", file), coated, strict=True):
+        assert cli.main(["layer", str(source), "-o", str(target)]) == 0
+    assert urushi.load(coated[0]) == urushi.load(coated[1])
 
 
 def test_weights_are_those_of_the_option(tmp_path):

@@ -18,6 +18,9 @@ from urushi.files import SUFFIX, is_file, new_folder, tensor_file_kind
 if TYPE_CHECKING:
     from urushi.material import Material
 
+#: Mitsuba's variant in which scenes are read.
+MODE = "llvm_ad_rgb"
+
 
 @dataclass(frozen=True)
 class Encode:
@@ -42,7 +45,7 @@ class Encode:
     all materials of one width but those whose codes are exact."""
     no_table: bool = False
     """Store no table."""
-    mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
+    mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = MODE
     """Mitsuba variant for reading scene files."""
     weights: str | None = None
     """Weights file. Default: the shipped ones."""
@@ -104,24 +107,6 @@ class Encode:
         return [new_folder(self.output) / f"{name}.safetensors" for name in names]
 
 
-def opened(text: str, bsdfs: Callable[[Path], Sequence[Any]]) -> Any:
-    """What `urushi.encode` takes: a description, a measured BRDF or a BSDF of a scene.
-
-    bsdfs: as of `scene_bsdfs`.
-    """
-    from urushi.measured import load_measured
-
-    if is_description(text):
-        return describe(text)
-    path, name = scene_and_bsdf(text)
-    if not is_file(path):
-        raise FileError(
-            f"'{path}' is neither a file nor a description; give a measured BRDF or a Mitsuba "
-            'scene file, or write for example "conductor(alpha=0.2, r0=0.9)"'
-        )
-    return choose(bsdfs(path), name, path) if path.suffix == ".xml" else load_measured(path)
-
-
 def scene_and_bsdf(text: str) -> tuple[Path, str | None]:
     """The path of a source, and the BSDF's id if it is written SCENE.xml#ID."""
     path, mark, bsdf = text.rpartition("#")
@@ -130,7 +115,7 @@ def scene_and_bsdf(text: str) -> tuple[Path, str | None]:
     return Path(text), None
 
 
-def scene_bsdfs(path: Path, mode: str) -> list[Any]:
+def scene_bsdfs(path: Path, mode: str = MODE) -> list[Any]:
     """The different BSDFs of a scene's shapes; `mode`: the Mitsuba variant."""
     from urushi.app.render import load_scene, set_variant
 
@@ -158,6 +143,24 @@ def choose(bsdfs: Sequence[Any], name: str | None, path: Path) -> Any:
     return by_id[name]
 
 
+def opened(text: str, bsdfs: Callable[[Path], Sequence[Any]] = scene_bsdfs) -> Any:
+    """What `urushi.encode` takes: a description, a measured BRDF or a BSDF of a scene.
+
+    bsdfs: as of `scene_bsdfs`.
+    """
+    from urushi.measured import load_measured
+
+    if is_description(text):
+        return describe(text)
+    path, name = scene_and_bsdf(text)
+    if not is_file(path):
+        raise FileError(
+            f"'{path}' is neither a file nor a description; give a measured BRDF or a Mitsuba "
+            'scene file, or write for example "conductor(alpha=0.2, r0=0.9)"'
+        )
+    return choose(bsdfs(path), name, path) if path.suffix == ".xml" else load_measured(path)
+
+
 @dataclass(frozen=True)
 class Layer:
     """Coat a material with a rough dielectric interface and a medium.
@@ -170,8 +173,8 @@ class Layer:
     """
 
     material: tyro.conf.Positional[str]
-    """Material to coat: a material file, a measured BRDF (MERL or RGL), or a description as in
-    Python, such as "conductor(alpha=0.2, r0=0.9)"."""
+    """Material to coat: a material file, a measured BRDF (MERL or RGL), a BSDF of a Mitsuba scene
+    file, SCENE.xml#ID, or a description as in Python, such as "conductor(alpha=0.2, r0=0.9)"."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Material file to write (.safetensors)."""
     alpha: tuple[float, ...] | None = None
@@ -224,11 +227,9 @@ class Layer:
 
 
 def read_material(text: str, weights: str | None) -> "Material":
-    """The material of a file of `urushi encode`, or an encoded description or measured file."""
+    """The material of a file of `urushi encode`, or of one of its sources."""
     import urushi
 
-    described = is_description(text)
-    if not described and (Path(text).suffix == SUFFIX or tensor_file_kind(text)):
+    if not is_description(text) and (Path(text).suffix == SUFFIX or tensor_file_kind(text)):
         return urushi.load(text, weights)
-    source = describe(text) if described else urushi.load_measured(text)
-    return urushi.encode(source, weights)
+    return urushi.encode(opened(text), weights)

@@ -47,8 +47,9 @@ class Export:
     ]
     """Language of the file."""
     material: tyro.conf.Positional[str | None] = None
-    """Material: a material file, a latent texture, a measured BRDF (MERL or RGL), or a
-    description as in Python, such as "conductor(alpha=0.2, r0=0.9)"."""
+    """Material: a material file, a latent texture, a measured BRDF (MERL or RGL), a BSDF of a
+    Mitsuba scene file, SCENE.xml#ID, or a description as in Python, such as
+    "conductor(alpha=0.2, r0=0.9)"."""
     texture: Path | None = None
     """Texture file to write: .dds or .ktx2, .exr for OSL, .npy for Python. The codes of a
     latent texture are in the same place with "-codes" in the name. Default: as the output."""

@@ -25,9 +25,6 @@ from urushi.ranges import Port
 if TYPE_CHECKING:
     from urushi.app.page_files import First
 
-#: Mitsuba's variant in which scenes are read.
-MODE = "llvm_ad_rgb"
-
 
 @dataclass(frozen=True)
 class View:
@@ -116,7 +113,7 @@ def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First
     from urushi.app.page_files import first_of
     from urushi.mitsuba.reading.probing import known_surface
 
-    chosen = choose(scene_bsdfs(path, MODE), bsdf, path)
+    chosen = choose(scene_bsdfs(path), bsdf, path)
     name = bsdf or path.stem
     latents = known_surface(chosen).latents
     if latents is not None and latents.material is None:  # codes of texels, or along axes
