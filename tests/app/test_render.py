@@ -32,6 +32,10 @@ SCENE = f"""<scene version="3.0.0">
     {SENSOR.format(2, 2)}
     <emitter type="constant"><rgb name="radiance" value="$grey"/></emitter>
 </scene>"""
+DEPTHS = SCENE.replace(
+    '<integrator type="direct"/>',
+    '<integrator type="aov"><string name="aovs" value="d:depth"/></integrator>',
+)
 NO_INTEGRATOR = SCENE.replace('<integrator type="direct"/>', "")
 
 
@@ -149,6 +153,11 @@ def coated(parameter: str) -> str:
             "cannot load 'bad.xml': line 1: neither Mitsuba nor Urushi has a plugin 'lacquer'; if",
         ),
         ('<scene version="3.0.0"/>', "", "'bad.xml' has 0 sensors; give an index from 0, or add a"),
+        (
+            DEPTHS,
+            "-o depths.png",
+            "'bad.xml' has more channels than colours, which only .exr files",
+        ),
         (NO_INTEGRATOR, "", "'bad.xml' has no integrator; add an <integrator> to the scene"),
         (SCENE.replace('"4"', '"many"', 1), "", "'bad.xml': line 8: could not parse integer"),
         (coated('name="alpha" value="7"'), "", "alpha is 7; it must be a GGX width in [0.01, 1]"),

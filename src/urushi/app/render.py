@@ -97,11 +97,11 @@ class Render:
             raise ParameterError(
                 f"'{target}' does not end in a picture format; use {', '.join(SUFFIXES)}"
             )
+        in_bytes = target.suffix.lower() != ".exr"
         with atomic_write(target) as temporary:  # it fails before a picture is rendered
-            image = self._picture(path, definitions, name)
+            image = self._picture(path, definitions, name, only_colours=in_bytes)
             import mitsuba as mi
 
-            in_bytes = target.suffix.lower() != ".exr"
             if in_bytes:  # Mitsuba's conversion to bytes turns thousands into black
                 image = np.minimum(image, 1)
             bitmap = mi.util.convert_to_bitmap(image.astype(np.float32), in_bytes)
@@ -109,8 +109,10 @@ class Render:
         print(target)
         return 0
 
-    def _picture(self, path: Path, definitions: dict[str, str], name: str | None) -> np.ndarray:
-        """The picture of a scene file, of `load_scene`."""
+    def _picture(
+        self, path: Path, definitions: dict[str, str], name: str | None, only_colours: bool
+    ) -> np.ndarray:
+        """The picture of a scene file, of `load_scene`; only_colours: refuse other channels."""
         set_variant(self.mode)
         import drjit as dr
 
@@ -126,6 +128,13 @@ class Render:
             )
         if scene.integrator() is None:
             raise FileError(f"'{self.scene}' has no integrator; add an <integrator> to the scene")
+        film = scene.sensors()[self.sensor].film()
+        more = scene.integrator().aov_names() or film.base_channels_count() > 4
+        if only_colours and more:
+            raise ParameterError(
+                f"'{self.scene}' has more channels than colours, which only .exr files hold; give "
+                "-o a name that ends in .exr"
+            )
         before = dr.thread_count()
         # Not while files are read and written: see `set_variant`.
         dr.set_thread_count(self.threads or before)
