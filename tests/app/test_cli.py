@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from unittest import mock
 
 import pytest
 
@@ -163,15 +164,16 @@ def test_output_in_an_encoding_without_some_characters(arguments):
 
 
 def test_a_file_that_may_not_be_looked_at_is_one_sentence(monkeypatch, capsys):
-    """Also where no command expects it."""
-
-    def refuse(self):
-        raise PermissionError(13, "Permission denied", "/private/file")
-
-    monkeypatch.setattr(Doctor, "run", refuse)
-    assert cli.main(["doctor"]) == cli.FAILURE
-    sentence = "urushi: cannot use '/private/file': Permission denied; check the path and its "
-    assert capsys.readouterr().err == sentence + "permissions\n"
+    """Also where no command expects it; so is a lack of memory."""
+    private = PermissionError(13, "Permission denied", "/private/file")
+    for failure, sentence in (
+        (private, "cannot use '/private/file': Permission denied; check the path and its perm"),
+        (MemoryError(), "this machine has too little memory; ask for fewer pixels"),
+    ):
+        monkeypatch.setattr(Doctor, "run", mock.Mock(side_effect=failure))
+        assert cli.main(["doctor"]) == cli.FAILURE
+        error = capsys.readouterr().err
+        assert error.startswith(f"urushi: {sentence}") and error.count("\n") == 1
 
 
 def test_a_command_without_standard_error_works(tmp_path):

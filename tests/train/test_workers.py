@@ -34,6 +34,13 @@ def test_a_killed_worker_loses_nothing(tmp_path):
     assert sorted(found) == [(number, square(number)) for number in range(20)]
 
 
+def test_a_killed_process_is_one_sentence(tmp_path):
+    """Without a cluster nobody takes over its work."""
+    make = functools.partial(square_of_a_survivor, tmp_path)
+    with pytest.raises(PlatformError, match="killed, perhaps for lack of memory; run the command"):
+        list(workers.results(make, range(20), processes=2))
+
+
 def test_few_tasks_are_under_way_at_once():
     begun = []
     tasks = (begun.append(number) or number for number in range(100))

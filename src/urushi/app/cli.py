@@ -100,6 +100,13 @@ def main(
     except UrushiError as error:
         print(f"urushi: {error}", file=sys.stderr)
         return FAILURE
+    except MemoryError:
+        print(
+            "urushi: this machine has too little memory; ask for fewer pixels, texels, pairs or "
+            "walks",
+            file=sys.stderr,
+        )
+        return FAILURE
     except KeyboardInterrupt:
         print("urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
         return INTERRUPTED

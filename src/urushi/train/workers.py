@@ -10,7 +10,14 @@ import functools
 import itertools
 import os
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from importlib.metadata import version
 from multiprocessing import get_context
 from typing import TypeVar
@@ -57,8 +64,8 @@ def results(
 
     Raises:
         ParameterError: the address cannot be read.
-        PlatformError: the scheduler does not answer, or a worker has other versions of Urushi,
-            NumPy or Dr.Jit, which might compute other bytes.
+        PlatformError: the scheduler does not answer, or a process without a cluster was killed, or
+            a worker has other versions of Urushi, NumPy or Dr.Jit, which might compute other bytes.
     """
     compute = functools.partial(computed, make, versions())
     if cluster is None and processes == 1:
@@ -68,6 +75,7 @@ def results(
     running: dict[Future, Task] = {}
     with contextlib.ExitStack() as stack:
         pool, workers = _pool(stack, cluster, processes)
+        stack.enter_context(_survivors())
         while True:
             for task in itertools.islice(left, max(DEPTH * workers() - len(running), 0)):
                 running[pool.submit(compute, task)] = task
@@ -75,6 +83,18 @@ def results(
                 return
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 yield running.pop(future), future.result()
+
+
+@contextlib.contextmanager
+def _survivors() -> Iterator[None]:
+    """Raise PlatformError where a process of this machine was killed."""
+    try:
+        yield
+    except BrokenExecutor as error:
+        raise PlatformError(
+            "a process that computed data was killed, perhaps for lack of memory; run the command "
+            "again, which continues, or with --cluster local:1, which needs less"
+        ) from error
 
 
 def versions() -> dict[str, str]:
