@@ -107,12 +107,10 @@ def new_folder(path: str | os.PathLike) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        is_file = isinstance(error, FileExistsError)
-        raise FileError(
-            f"cannot create the folder '{folder}': "
-            f"{'it is a file' if is_file else error.strerror or error}; "
-            f"choose {'another name' if is_file else 'one that is writable'}"
-        ) from error
+        reason = f"{error.strerror or error}; choose one that is writable"
+        if isinstance(error, FileExistsError):
+            reason = "it is a file; choose another name"
+        raise FileError(f"cannot create the folder '{folder}': {reason}") from error
     return folder
 
 

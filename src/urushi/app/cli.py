@@ -98,15 +98,9 @@ def main(
         finally:  # also after the help, which exits
             print(end="", flush=True)  # to nowhere if there is no standard output
     except UrushiError as error:
-        print(f"urushi: {error}", file=sys.stderr)
-        return FAILURE
+        return _failed(str(error))
     except MemoryError:
-        print(
-            "urushi: this machine has too little memory; ask for fewer pixels, texels, pairs or "
-            "walks",
-            file=sys.stderr,
-        )
-        return FAILURE
+        return _failed("this machine has too little memory; ask for fewer pixels, texels or walks")
     except KeyboardInterrupt:
         print("urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
         return INTERRUPTED
@@ -117,20 +111,20 @@ def main(
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the rest of it
             if isinstance(error, BrokenPipeError):
                 return OUTPUT_CLOSED
-            print(
-                f"urushi: cannot write to standard output: {error.strerror}; free some space or "
-                "send it elsewhere",
-                file=sys.stderr,
+            return _failed(
+                f"cannot write to standard output: {error.strerror}; free some space or send it "
+                "elsewhere"
             )
-            return FAILURE
         if error.filename is None:
             raise
-        print(
-            f"urushi: cannot use '{error.filename}': {error.strerror}; check the path and its "
-            "permissions",
-            file=sys.stderr,
-        )
-        return FAILURE
+        place = f"cannot use '{error.filename}': {error.strerror}"
+        return _failed(f"{place}; check the path and its permissions")
+
+
+def _failed(sentence: str) -> int:
+    """Print an error; returns its exit code."""
+    print(f"urushi: {sentence}", file=sys.stderr)
+    return FAILURE
 
 
 def _run(arguments: Sequence[str], commands: Commands, prog: str, description: str) -> int:

@@ -117,16 +117,9 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
         probed = rest(*probe_pairs(probes, 2)).T
         stretch = log_stretch(probed, pair_measure(probes))[0]
         pairs = (w.reshape(-1, 3) for w in nodes_of(stretch, [number, level]).pairs)
-        return {
-            "table": logs(rest(*pairs)[:, 0]).astype(np.float16),
-            "probes": logs(probed[0]),
-            "stretch": stretch,
-            "lobe": lobe,
-            "stack": np.int32(number),
-            "kind": np.int32(list(distribution.SHARES).index(stack.kind)),
-            "level": np.int32(level),
-            "coat": coat,
-        }
+        values = logs(rest(*pairs)[:, 0]).astype(np.float16)
+        own = row_of(stack, number, level, coat, lobe, values)
+        return own | {"probes": logs(probed[0]), "stretch": stretch}
 
     def bare(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return remainder(bottom.f(wi, wo)[:, 0], lobe, wi, wo)[:, None]
@@ -137,6 +130,20 @@ def levels(probes: int, seed: int, number: int) -> list[dict[str, Any]]:
         top = lobes.of_coat(*CoatParameters.of_columns(coat)[:2])
         rows.append(row(1, coat, top, functools.partial(coated_g, Substrate.of(bottom), own)))
     return rows
+
+
+def row_of(
+    stack: StackTable, number: int, level: int, coat: np.ndarray, lobe: np.ndarray, values: Any
+) -> dict[str, Any]:
+    """The row of a level of a stack with this number, by names; values: of the table."""
+    return {
+        "table": values,
+        "lobe": lobe,
+        "stack": np.int32(number),
+        "kind": np.int32(list(distribution.SHARES).index(stack.kind)),
+        "level": np.int32(level),
+        "coat": coat.astype(np.float32),
+    }
 
 
 def logs(f: np.ndarray) -> np.ndarray:

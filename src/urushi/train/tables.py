@@ -39,7 +39,7 @@ from urushi.nets import weights
 from urushi.nets.transmittance import remainder
 from urushi.train import stretched_tables, workers
 from urushi.train.basis_fit import bottom_codes
-from urushi.train.distribution import SHARES, bottom_lobes, coats_of, draw_coats, draw_stack
+from urushi.train.distribution import bottom_lobes, coats_of, draw_coats, draw_stack
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 
@@ -224,16 +224,7 @@ def levels(seed: int, number: int) -> list[Arrays]:
             known = np.float32(g).reshape(*map(len, known_nodes(())), SHAPE[2])
             logs = table_of_values(interpolated_nodes(known, ()).reshape(-1, 1)).reshape(1, -1)
             lobe = lobes.of_coat(*coat[:2, None]).astype(np.float32)
-        rows.append(
-            {
-                "table": logs[0],
-                "lobe": lobe[0],
-                "stack": np.int32(number),
-                "kind": np.int32(list(SHARES).index(stack.kind)),
-                "level": np.int32(level),
-                "coat": coat.astype(np.float32),
-            }
-        )
+        rows.append(stretched_tables.row_of(stack, number, level, coat, lobe[0], logs[0]))
     return rows
 
 

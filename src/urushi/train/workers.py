@@ -73,23 +73,16 @@ def results(
         return
     left = iter(tasks)
     running: dict[Future, Task] = {}
-    with contextlib.ExitStack() as stack:
-        pool, workers = _pool(stack, cluster, processes)
-        stack.enter_context(_survivors())
-        while True:
-            for task in itertools.islice(left, max(DEPTH * workers() - len(running), 0)):
-                running[pool.submit(compute, task)] = task
-            if not running:
-                return
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                yield running.pop(future), future.result()
-
-
-@contextlib.contextmanager
-def _survivors() -> Iterator[None]:
-    """Raise PlatformError where a process of this machine was killed."""
     try:
-        yield
+        with contextlib.ExitStack() as stack:
+            pool, workers = _pool(stack, cluster, processes)
+            while True:
+                for task in itertools.islice(left, max(DEPTH * workers() - len(running), 0)):
+                    running[pool.submit(compute, task)] = task
+                if not running:
+                    return
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    yield running.pop(future), future.result()
     except BrokenExecutor as error:
         raise PlatformError(
             "a process that computed data was killed, perhaps for lack of memory; run the command "
