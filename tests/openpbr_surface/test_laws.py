@@ -62,7 +62,10 @@ KINDS = {
     "air below": Kind(ROUGH, GLASS | {"specular_ior": 0.8}, across=0.8),
     "mixture": Kind(ROUGH | SHARES | COLORS, {"interior": True}, across=1.5),
     "leaf": Kind(
-        ROUGH | SHARES | {"subsurface_color": COLOR, "subsurface_scatter_anisotropy": (-1, 1)},
+        ROUGH
+        | SHARES
+        | {"subsurface_color": COLOR, "subsurface_scatter_anisotropy": (-1, 1)}
+        | {"base_diffuse_roughness": (0, 1)},
         {"geometry_thin_walled": True, "transmission_weight": 0.0},
         across=1.0,
     ),

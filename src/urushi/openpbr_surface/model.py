@@ -113,10 +113,10 @@ class Base(OfInputs):
         cosine = dr.abs(cosine)
         f = mi.Spectrum(0)
         if not self._only_metal:
-            f += self.glossy_diffuse(vertex, lobe, cosine, si, wo, active)
+            f += self.shine(vertex, lobe, cosine, si, active) + self.diffuse(vertex, si, wo, active)
         if not self._only_dielectric:
-            shine = self._metal(vertex, lobe, cosine, si, wo, active)
-            f = shine if self._only_metal else dr.lerp(f, shine, vertex.share)
+            metal = self._metal(vertex, lobe, cosine, si, wo, active)
+            f = metal if self._only_metal else dr.lerp(f, metal, vertex.share)
         return mi.Spectrum(f * self.boost(vertex, si, active) if self._boosted else f)
 
     def _proposal(self, vertex: BaseVertex, si, active):
@@ -129,13 +129,13 @@ class Base(OfInputs):
             share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
         return Mixture([share, 1 - share], [vertex.widths])
 
-    def glossy_diffuse(self, vertex: BaseVertex, lobe, cosine, si, wo, active):
-        """The dielectric (3.2.2): an interface, maybe under a film, above a diffuse slab [1/sr]."""
+    def shine(self, vertex: BaseVertex, lobe, cosine, si, active):
+        """What the interface of the dielectric (3.2.2), maybe under a film, reflects [1/sr]."""
         if self._film:
             reflectance = self._film.dielectric(cosine, vertex.eta, si, active)
         else:
             reflectance = fresnel.dielectric(cosine, vertex.eta)[0]
-        return mi.Spectrum(lobe * reflectance * vertex.tint) + self.diffuse(vertex, si, wo, active)
+        return mi.Spectrum(lobe * reflectance * vertex.tint)
 
     def _metal(self, vertex: BaseVertex, lobe, cosine, si, wo, active):
         """Metal (3.2.1): GGX facets of the F82-tint term, with multiple scattering."""

@@ -205,20 +205,20 @@ class Sheet(OfInputs):
     def _vertex(self, si, active):
         at, vertex = self._inputs.at(si, active), self._base._vertex(si, active)
         forward = 0.5 + 0.5 * at.subsurface_scatter_anisotropy
-        near, far = at.subsurface_color * (1 - forward), at.subsurface_color * forward
-        return vertex._replace(color=near), vertex._replace(color=far), forward
+        return vertex._replace(color=at.subsurface_color), forward
 
     def _f(self, vertex, ctx, si, wo, active):
-        near, far, _ = vertex
+        base, forward = vertex
         through, wo, si = si.wi.z * wo.z < 0, raised(wo), above_surface(si)
-        passed = self._base.diffuse(far, si, wo, active)
-        lobe, cosine = microfacet.reflection_lobe(si.wi, wo, near.widths)
-        reflected = self._base.glossy_diffuse(near, lobe, dr.abs(cosine), si, wo, active)
-        return dr.select(through, passed, reflected)
+        # Shares of one diffuse lobe: a rough one is not linear in its colour.
+        diffuse = self._base.diffuse(base, si, wo, active)
+        lobe, cosine = microfacet.reflection_lobe(si.wi, wo, base.widths)
+        shine = self._base.shine(base, lobe, dr.abs(cosine), si, active)
+        return dr.select(through, forward * diffuse, shine + (1 - forward) * diffuse)
 
     def _proposal(self, vertex, si, active):
-        near, _, forward = vertex
-        reflected = self._base.reflected(raised(si.wi), near)
+        base, forward = vertex
+        reflected = self._base.reflected(raised(si.wi), base)
         through = dr.clip((1 - reflected) * forward, 0, 1 - model.MIN_SHARE)
         share = dr.clip(reflected / (1 - through), model.MIN_SHARE, 1 - model.MIN_SHARE)
-        return with_far_side(Mixture([share, 1 - share], [near.widths]), through)
+        return with_far_side(Mixture([share, 1 - share], [base.widths]), through)
