@@ -79,6 +79,8 @@ def test_values_are_converted():
     assert checked("coat_weight", 0.25) == 0.25
     assert np.array_equal(checked("coat_color", 0.5), [0.5, 0.5, 0.5])
     assert not np.signbit(checked("coat_color", [-0.0, 1, 1])).any()
+    given = urushi.openpbr(base_color=mi.ScalarColor3f(0.5, 0.25, 1), geometry_thin_walled=np.True_)
+    assert given == urushi.openpbr(base_color=(0.5, 0.25, 1), geometry_thin_walled=True)
 
 
 @pytest.mark.parametrize(
@@ -86,12 +88,15 @@ def test_values_are_converted():
     [
         ("coat_roughnes", 0.1, "did you mean coat_roughness"),
         ("coat_weight", 1.5, r"openpbr: coat_weight is 1.5; it must be in \[0, 1\]"),
-        ("specular_ior", -1, "specular_ior is -1; it must be 0 or more"),
+        ("specular_ior", -1, "specular_ior is -1; it must be finite and 0 or more"),
+        ("specular_ior", float("inf"), "specular_ior is inf; it must be finite"),
         ("coat_weight", [0.1, 0.2, 0.3], "give a number$"),
         ("base_color", np.full(3, 0.5 + 1j), "give a number or three, one per RGB channel"),
         ("base_color", "red", "give a number or three, one per RGB channel"),
         ("coat_roughness", float("nan"), "coat_roughness is nan"),
+        ("base_color", {"type": "rgb"}, r"base_color is nan; it must be in \[0, 1\]"),
         ("geometry_thin_walled", {"type": "checkerboard"}, "thin_walled cannot be a texture"),
+        ("geometry_thin_walled", np.array([0, 1]), "give true or false$"),
     ],
 )
 def test_wrong_parameters_are_refused_at_once(name, value, sentence):

@@ -235,6 +235,35 @@ def test_the_medium_gives_a_body_its_subsurface_color(g, index):
 
 
 @pytest.mark.parametrize(
+    ("name", "given", "taken"),
+    [
+        ("subsurface_scatter_anisotropy", 1.0, 0.99),
+        ("subsurface_scatter_anisotropy", -1.0, -0.99),
+        ("specular_ior", 0.0, 1 / 3),
+        ("specular_ior", 9.0, 3.0),
+        ("specular_weight", 100.0, 25.0),
+    ],
+)
+def test_a_medium_has_the_colour_for_the_asymmetry_and_the_index_that_are_rendered(
+    name, given, taken
+):
+    """Phase functions end at 0.99, and the indices of surfaces at 1/3 and 3."""
+    one, other = (urushi.openpbr(subsurface_weight=1.0, **{name: x}) for x in (given, taken))
+    assert one.interior()["albedo"]["value"] == pytest.approx(other.interior()["albedo"]["value"])
+    assert one.interior()["phase"]["g"] == pytest.approx(other.interior()["phase"]["g"])
+
+
+def test_a_body_has_the_medium_of_each_weight_that_is_a_texture():
+    """A texture counts as a weight of one: of two textures, the medium is the mean of both."""
+    half = urushi.openpbr(transmission_weight=CHECKER, subsurface_weight=1.0)
+    scatters = urushi.openpbr(subsurface_weight=1.0).interior()
+    assert half.interior() == scatters | {"scale": scatters["scale"] / 2}
+    mi.load_dict(half.on({"type": "sphere"}))
+    clear = GLASS | {"subsurface_weight": 1.0, "subsurface_color": CHECKER}
+    assert urushi.openpbr(**clear).interior() is None  # nothing is left that scatters
+
+
+@pytest.mark.parametrize(
     ("material", "names"),
     [
         ({}, {"base_color", "coat_color", "thin_film_weight", "fuzz_weight"}),

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -19,7 +20,7 @@ from urushi.material.source import Source, as_source
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bottoms import bsdf_source
-from urushi.openpbr_surface.formulas import modulated_index, subsurface_albedo, translucent_medium
+from urushi.openpbr_surface.formulas import base_index, subsurface_albedo, translucent_medium
 from urushi.openpbr_surface.materialx.conversions import roughness_of
 from urushi.openpbr_surface.materialx.document import write_parameters
 from urushi.openpbr_surface.parameters import EMISSION, checked, complete, parameter
@@ -32,6 +33,9 @@ MEDIA = ("transmission", "subsurface")
 
 #: Least subsurface_radius, a mean free path.
 LEAST_RADIUS = 1e-4
+
+#: Largest absolute value of a medium's g; at 1, light is not scattered.
+MOST_G = 0.99
 
 
 @dataclass(frozen=True)
@@ -96,18 +100,19 @@ class OpenPBR:
         Source: OpenPBR Surface 1.1.1, 3.2.3 and 3.2.4.
         """
         weights = [self.parameters.get(f"{name}_weight", 0.0) for name in MEDIA]
-        clear, scatters = (x if isinstance(x, float) else 1.0 for x in weights)
+        clear, share = (x if isinstance(x, float) else 1.0 for x in weights)
+        if isinstance(weights[0], float):  # a texture may leave all of it
+            share *= 1 - clear
         deep = clear and self.parameters.get("transmission_depth", 0.0) != 0.0
-        if self.parameters.get("geometry_thin_walled") or not (deep or scatters):
+        if self.parameters.get("geometry_thin_walled") or not (deep or share):
             return None
-        needed = [f"{name}_" for name, used in zip(MEDIA, (deep, scatters), strict=True) if used]
+        needed = [f"{name}_" for name, used in zip(MEDIA, (deep, share), strict=True) if used]
         textures = [x for x in self.textures if x.startswith(tuple(needed))]
         _check_constant([x for x in textures if not x.endswith("_weight")], "the medium of a body")
         given = self.parameters.items()
         values = complete({name: x for name, x in given if name not in self.textures})
         if mi.variant() is not None and mi.is_spectral:  # the formulas, wavelength by wavelength
             values |= {x: spectrum.at_nodes(y) for x, y in values.items() if np.ndim(y)}
-        share = (1 - clear) * scatters
         extinction = scattering = np.zeros_like(values["transmission_color"])
         forward = 0.0
         if deep:
@@ -117,15 +122,15 @@ class OpenPBR:
             forward = values["transmission_scatter_anisotropy"] * scattering.mean()
         if share:
             radius = values["subsurface_radius"] * values["subsurface_radius_scale"]
-            g = values["subsurface_scatter_anisotropy"]
-            index = modulated_index(values["specular_ior"], values["specular_weight"])
+            g = _limited_g(values["subsurface_scatter_anisotropy"])
+            index = base_index(values["specular_ior"], 1.0, 0.0, values["specular_weight"])
             dense = share / (clear + share) / np.maximum(radius, LEAST_RADIUS)
             albedo = subsurface_albedo(values["subsurface_color"], g, index)
             extinction, scattering = extinction + dense, scattering + albedo * dense
             forward += g * (albedo * dense).mean()
         if not extinction.any():
             return None
-        g = float(np.clip(forward / max(scattering.mean(), 1e-12), -0.99, 0.99))
+        g = _limited_g(forward / max(scattering.mean(), 1e-12))
         return {
             "type": "homogeneous",
             "sigma_t": _color(extinction / extinction.max()),
@@ -230,6 +235,11 @@ def _check_constant(textures: list[str], what: str) -> None:
         )
 
 
+def _limited_g(g: float) -> float:
+    """A Henyey-Greenstein g that media take."""
+    return float(np.clip(g, -MOST_G, MOST_G))
+
+
 def _color(value: np.ndarray) -> dict[str, Any]:
     """A colour (3,), or a spectrum of `spectrum.at_nodes`, for `mi.load_dict`."""
     if len(value) > len(spectrum.RGB):
@@ -241,8 +251,9 @@ def _value(name: str, value: Any) -> Any:
     """A parameter as it is kept."""
     entry = parameter(name)
     if isinstance(value, Mapping) and value.get("type") == "rgb":
-        value = value["value"]
-    if isinstance(value, Mapping) or type(value).__module__.startswith("mitsuba"):
+        value = value.get("value")
+    of_mitsuba = type(value).__module__.startswith("mitsuba") and not dr.is_array_v(value)
+    if isinstance(value, Mapping) or of_mitsuba:
         if entry.kind == "boolean":
             raise ParameterError(f"openpbr: {name} cannot be a texture; give true or false")
         return value

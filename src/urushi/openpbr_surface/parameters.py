@@ -111,7 +111,7 @@ def checked(name: str, value: Any, where: str = "openpbr") -> Any:
     """
     entry = parameter(name, where)
     if entry.kind == "boolean":
-        if isinstance(value, bool | np.bool_) or value in (0, 1):
+        if np.ndim(value) == 0 and value in (0, 1):
             return bool(value)
         raise ParameterError(f"{where}: {name} is {value!r}; give true or false")
     if entry.kind == "vector":
@@ -127,7 +127,7 @@ def checked(name: str, value: Any, where: str = "openpbr") -> Any:
         expected = "a number or three, one per RGB channel" if entry.kind == "color" else "a number"
         raise ParameterError(f"{where}: {name} is {value!r}; give {expected}")
     low, high = entry.low, entry.high
-    limits = f"in [{low:g}, {high:g}]" if high < _INF else f"{low:g} or more"
+    limits = f"in [{low:g}, {high:g}]" if high < _INF else f"finite and {low:g} or more"
     array = Check(name, limits, low, high)(array, f"{where}: {name}")
     return float(array) if entry.kind == "float" else np.broadcast_to(array, 3)
 

@@ -170,10 +170,8 @@ def index_of(inputs: Inputs) -> float:
                 "give a number"
             )
     ior, weight = (inputs.middle(name) for name in INDICES)
-    ior = float(formulas.modulated_index(max(ior, formulas.LEAST_INDEX), weight))
-    if inputs.thin:  # a slab
-        return float(formulas.interface_index(ior))
-    return min(max(ior, 1 / 3), 3.0)
+    index = formulas.base_index(ior, 1.0, 0.0, weight)
+    return float(formulas.interface_index(index) if inputs.thin else index)  # thin: a slab
 
 
 def index2(w, index):
