@@ -66,6 +66,18 @@ def test_a_colour_outside_of_srgb_is_limited_with_a_warning(document):
     assert values["base_color"] == (0, 1, 0)
 
 
+@pytest.mark.parametrize(("sum_of", "expected"), [(0.70002, 1.0), (-0.3000001, 0.0)])
+def test_a_number_that_rounding_moves_out_of_its_range_is_at_the_range_s_end(
+    document, sum_of, expected
+):
+    total = element("add", "float", "sum", in1=0.3, in2=sum_of)
+    shader = element("open_pbr_surface", "surfaceshader", coat_weight="@sum")
+    assert read_surface(document(total + shader)).values == {"coat_weight": expected}
+    far = document(shader.replace('nodename="sum"', 'value="1.2"'))
+    with pytest.raises(ParameterError, match=r"coat_weight is 1.2; it must be in \[0, 1\]"):
+        read_surface(far)
+
+
 PAINT = (
     '<constant name="paint" type="color3"><input name="value" type="color3" value="{}"/></constant>'
 )

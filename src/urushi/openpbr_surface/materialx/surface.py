@@ -35,8 +35,9 @@ _LOST_SHADERS = {"displacementshader": "displacement", "backsurfaceshader": "bac
 #: Largest number of shaders in a mixture.
 MAX_MIXED = 16
 
-#: Largest amount by which a colour may leave [0, 1] without a warning.
-GAMUT_TOLERANCE = 0.01
+#: Largest amount by which a value may leave its range without a warning or an error: by rounding in
+#: a graph, or by the gamut of a colour.
+TOLERANCE = 0.01
 
 #: A number, a truth value, a colour in linear sRGB, or a texture.
 ParameterValue = float | bool | tuple[float, float, float] | Texture
@@ -202,7 +203,10 @@ class Reader:
         return value.map(lambda n: 0.5 * n + 0.5)
 
     def _final(self, entry: Parameter, value: Texture) -> ParameterValue:
-        """A value after checks; colours and textures are limited to the parameter's range."""
+        """A value after checks; colours and textures are limited to the parameter's range.
+
+        Numbers are refused outside of it.
+        """
         where, have = f"{self._where}: {entry.name}", value.pixels.shape[-1]
         channels = 3 if entry.kind == "color" else 1
         if have != channels:
@@ -220,12 +224,15 @@ class Reader:
         if entry.kind == "color":
             r, g, b = np.maximum(constant, 0.0).tolist()
             return r, g, b
-        return checked(entry.name, float(constant[0]), self._where)
+        number = float(constant[0])
+        limited = min(max(number, entry.low), entry.high)
+        near = abs(limited - number) <= TOLERANCE
+        return checked(entry.name, limited if near else number, self._where)
 
     def _limited(self, entry: Parameter, value: np.ndarray) -> np.ndarray:
         """Values limited to the range of a parameter, with a warning if that changes them much."""
         limited = np.clip(value, entry.low, entry.high)
-        if np.abs(limited - value).max(initial=0) > GAMUT_TOLERANCE:
+        if np.abs(limited - value).max(initial=0) > TOLERANCE:
             space = " in linear sRGB" if entry.kind == "color" else ""
             ends = f"[{entry.low:g}, {entry.high:g}]{space}"
             warn(f"{self._where}: {entry.name} leaves {ends} and is clipped to it")
