@@ -231,12 +231,11 @@ class Reader:
 
     def _limited(self, entry: Parameter, value: np.ndarray) -> np.ndarray:
         """Values limited to the range of a parameter, with a warning if that changes them much."""
-        limited = np.clip(value, entry.low, entry.high)
-        if np.abs(limited - value).max(initial=0) > TOLERANCE:
+        if max(entry.low - value.min(), value.max() - entry.high) > TOLERANCE:
             space = " in linear sRGB" if entry.kind == "color" else ""
             ends = f"[{entry.low:g}, {entry.high:g}]{space}"
             warn(f"{self._where}: {entry.name} leaves {ends} and is clipped to it")
-        return limited
+        return np.clip(value, entry.low, entry.high)
 
 
 def _output(source: Source, i: shaders.Inputs) -> np.ndarray:
