@@ -369,7 +369,7 @@ CONSTANTS: dict[str, str] = {
     "core.albedos": "ROUGHNESSES COSINES TOTAL_CELLS COARSE FINE",
     "core.appearance": "WI WO",
     "core.facets": "MIRROR",
-    "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
+    "core.quadrature": "POLAR_NODES EDGE_NODES AZIMUTH_NODES MIN_TANGENT",
     "core.stretched": "FACTORS",
     "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
     "material.albedo_rule": "COSINES AZIMUTHS NODES",

@@ -16,7 +16,7 @@ import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
 import { APPEARANCE, QUADRATURE } from "./formulas";
 import { layered, withinTraining } from "./layerer";
-import { lobeValue, passedBothWays } from "./lobe";
+import { hasEdges, lobeValue, passedBothWays } from "./lobe";
 import { mixtureDensity, proposalOf, sampleMixture } from "./mixture";
 import { directionRule } from "./quadrature";
 import { FileError } from "./safetensors";
@@ -27,9 +27,9 @@ import { readWeights, type Weights } from "./weights";
 const { WI, WO } = APPEARANCE;
 
 /** Sizes of the rules for albedos of one width and of two. */
-const { POLAR_NODES, AZIMUTH_NODES, MIN_TANGENT } = QUADRATURE;
-const ruleOf = (widths: Widths) =>
-  [POLAR_NODES, widths * AZIMUTH_NODES, 1e-3, MIN_TANGENT] as const;
+const { POLAR_NODES, EDGE_NODES, AZIMUTH_NODES, MIN_TANGENT } = QUADRATURE;
+const ruleOf = (widths: Widths, edges: boolean) =>
+  [edges ? EDGE_NODES : POLAR_NODES, widths * AZIMUTH_NODES, 1e-3, MIN_TANGENT] as const;
 
 /**
  * Read the weights.
@@ -156,11 +156,12 @@ export class NetworkCore {
   /** Directional albedo: (N, 3) for N cosines of the incident direction, in the plane y = 0. */
   albedo(material: Material, cosines: Float32Array): Float32Array {
     const result = new Float32Array(CHANNELS * cosines.length);
+    const rule = ruleOf(this.widths, rows(material.latents, this.latentSize).some(hasEdges));
     cosines.forEach((cosine, row) => {
       if (!(cosine > 0)) return;
       const sine = Math.sqrt(Math.max(1 - cosine * cosine, 0));
       const wi = { x: sine, y: 0, z: cosine };
-      const { wo, weights } = directionRule(wi, 1, ruleOf(this.widths));
+      const { wo, weights } = directionRule(wi, 1, rule);
       const own = weights.flatMap(() => [sine, 0, cosine]);
       const pairs = new Pairs(own, wo, this.widths);
       const values = this.values(material, pairs);

@@ -22,7 +22,8 @@ export const APPEARANCE = { WI: [0.6, 0, 0.8], WO: [0, 0.6, 0.8] } as const;
 export const FACETS = { MIRROR: 100000000 } as const;
 
 /** Of `urushi.core.quadrature` of Python. */
-export const QUADRATURE = { POLAR_NODES: 48, AZIMUTH_NODES: 16, MIN_TANGENT: 1e-05 } as const;
+export const QUADRATURE = { POLAR_NODES: 48, EDGE_NODES: 192, AZIMUTH_NODES: 16, MIN_TANGENT: 1e-05
+  } as const;
 
 /** Of `urushi.core.stretched` of Python. */
 export const STRETCHED = { FACTORS: 5 } as const;
