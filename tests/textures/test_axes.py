@@ -10,16 +10,7 @@ from urushi.textures.interpolation import interpolant, points
 
 
 @pytest.mark.parametrize(
-    "scale",
-    [
-        axes.WIDTH,
-        axes.DEPTH,
-        axes.REFLECTANCE,
-        axes.LINEAR,
-        axes.ALBEDO,
-        axes.INDEX,
-        axes.WAVELENGTH,
-    ],
+    "scale", [axes.WIDTH, axes.DEPTH, axes.REFLECTANCE, axes.LINEAR, axes.ALBEDO, axes.INDEX]
 )
 def test_coordinates_are_inverse_to_values(scale):
     axis = Axis("x", scale, 0.02, 0.9)

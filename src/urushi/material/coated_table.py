@@ -13,13 +13,12 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core import table
-from urushi.core.quadrature import EDGE_NODES, POLAR_NODES
 from urushi.material import adding, energy
 from urushi.material.coated_values import HALF, NARROW, WIDE, coated_values, passed_twice
 from urushi.material.material import Material
 from urushi.material.substrate import Substrate, of_material
 from urushi.nets import lobe as lobes
-from urushi.nets.transmittance import both_ways, has_edges
+from urushi.nets.transmittance import both_ways, polar_nodes
 
 #: Numbers of points in slabs, see `coated_values`.
 SLAB_POINTS = 64, 64, 64
@@ -92,8 +91,7 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
     passed = passed_twice(CoatParameters(*parameters), *table.node_pairs())
     rest = rest_at_nodes(below, channels, parameters[:2], parameters[2:], passed)
     of_rest = _albedos_of_values(rest, lobe)
-    polar = EDGE_NODES if has_edges(own).any() else POLAR_NODES
-    of_top = adding.albedos(top, LIMITED_COSINES, polar)
+    of_top = adding.albedos(top, LIMITED_COSINES, polar_nodes(own))
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
     if (of_rest + of_top > ceiling).any():
         gained = adding.albedos(bottom.f, LIMITED_COSINES).max(axis=0)

@@ -12,7 +12,7 @@ from urushi.checks import CoatParameters
 from urushi.core.directions import rotated
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import NUMPY, components, stacked
-from urushi.core.quadrature import EDGE_NODES, POLAR_NODES, directional_albedos
+from urushi.core.quadrature import directional_albedos
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, interpolated
 from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
@@ -224,8 +224,7 @@ class Material:
         wi = self._inside(checks.direction(wi, "wi"))
         albedo = np.zeros((len(wi), self.channels), np.float32)
         above = np.flatnonzero(wi[:, 2] > 0.0)
-        edges = transmittance.has_edges(self.latents[:, : self.model.arch.lobe])
-        polar = EDGE_NODES if edges.any() else POLAR_NODES
+        polar = transmittance.polar_nodes(self.latents[:, : self.model.arch.lobe])
         for start in range(0, len(above), ALBEDO_BLOCK):
             rows = above[start : start + ALBEDO_BLOCK]
             albedo[rows] = directional_albedos(

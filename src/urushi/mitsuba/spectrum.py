@@ -37,11 +37,27 @@ COUNT, ENDS = 56, (380.0, 720.0)
 #: `sample_rgb_spectrum` (Radziszewski, Boryczko and Alda 2009).
 STEEPNESS, CENTRE = 0.0072, 538.0
 
-_LOWEST, _HIGHEST = np.tanh(STEEPNESS * (np.array(ENDS) - CENTRE)).tolist()
+
+def _sum_below(wavelength: Any, xp: Any) -> Any:
+    """The integral of the density up to a wavelength [nm], up to a factor and a constant.
+
+    xp: the module NumPy, Dr.Jit or `math`.
+    """
+    return xp.tanh(STEEPNESS * (wavelength - CENTRE))
+
+
+def _wavelength_of(sum_below: Any, xp: Any) -> Any:
+    """The inverse of `_sum_below`."""
+    return CENTRE + xp.atanh(sum_below) / STEEPNESS
+
+
+_LOWEST, _HIGHEST = _sum_below(np.array(ENDS), np).tolist()
+_FIRST, _LAST = _sum_below(np.array(SAMPLED), np).tolist()
 
 #: Middles of the bands of constant coats [nm].
-_places = _LOWEST + (np.arange(COUNT) + 0.5) / COUNT * (_HIGHEST - _LOWEST)
-FINE: tuple[float, ...] = tuple((CENTRE + np.arctanh(_places) / STEEPNESS).tolist())
+FINE: tuple[float, ...] = tuple(
+    _wavelength_of(_LOWEST + (np.arange(COUNT) + 0.5) / COUNT * (_HIGHEST - _LOWEST), np).tolist()
+)
 
 #: Spectra of red and blue under `of_rgb`: the middle of the step [nm], its slope [1/nm], and the
 #: least value. They solve the equations that red, and blue, is that colour under D65.
@@ -114,17 +130,13 @@ def _sampled_with(wavelength: Any, xp: Any) -> list:
     Some BSDFs depend on all wavelengths of a ray: the tints of `principled` are relative to a
     luminance, which Mitsuba estimates from them.
 
-    xp: the module of its functions, `math` or Dr.Jit.
+    xp: as of `_sum_below`.
     """
-    found, lanes = [wavelength], dr.size_v(mi.Spectrum)
-    first, last = np.tanh(STEEPNESS * (np.array(SAMPLED) - CENTRE)).tolist()
-    span = last - first
-    place = (xp.tanh(STEEPNESS * (wavelength - CENTRE)) - first) / span
-    for k in range(1, lanes):
-        moved = place + k / lanes
-        moved = first + span * (moved - xp.floor(moved))
-        found.append(CENTRE + xp.atanh(moved) / STEEPNESS)
-    return found
+    lanes = dr.size_v(mi.Spectrum)
+    place = (_sum_below(wavelength, xp) - _FIRST) / (_LAST - _FIRST)
+    moved = [place + k / lanes for k in range(1, lanes)]
+    others = [_FIRST + (x - xp.floor(x)) * (_LAST - _FIRST) for x in moved]
+    return [wavelength, *(_wavelength_of(x, xp) for x in others)]
 
 
 def mean(value) -> Any:
@@ -152,7 +164,7 @@ def channels_at(uv: np.ndarray, read: Callable[..., Any]) -> np.ndarray:
 
 def band_at(wavelengths) -> list:
     """The band of constant coats (UInt32) at each wavelength of a spectrum [nm]."""
-    place = (dr.tanh(STEEPNESS * (wavelengths - CENTRE)) - _LOWEST) * (COUNT / (_HIGHEST - _LOWEST))
+    place = (_sum_below(wavelengths, dr) - _LOWEST) * (COUNT / (_HIGHEST - _LOWEST))
     return [mi.UInt32(dr.clip(x, 0, COUNT - 1)) for x in place]
 
 

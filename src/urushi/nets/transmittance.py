@@ -26,6 +26,7 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core.namespace import Namespace, arrays, components
+from urushi.core.quadrature import EDGE_NODES, POLAR_NODES
 from urushi.core.table import MIN_COSINE, node_pairs, table_of_values
 from urushi.nets import lobe as lobes
 
@@ -67,6 +68,11 @@ def both_ways(lobe: Any, wi: Any, wo: Any) -> Any:
 def has_edges(lobe: np.ndarray) -> np.ndarray:
     """Whether T is not one, of lobes (..., N); bool (...)."""
     return (lobe[..., 3] > 0) & (lobe[..., 4] < 1) & (lobe[..., 5] == 0)
+
+
+def polar_nodes(lobe: np.ndarray) -> int:
+    """Nodes in ln tan theta_h by which albedos of materials with lobes (..., N) are integrated."""
+    return EDGE_NODES if has_edges(lobe).any() else POLAR_NODES
 
 
 def of_lobe(lobe: Any, w: Any) -> Any:

@@ -24,10 +24,9 @@ FAINT_ALBEDO = 0.1
 #: Scales of axes: along which coordinate of a parameter codes are closest to linear.
 WIDTH, DEPTH, REFLECTANCE, LINEAR = "width", "depth", "reflectance", "linear"
 ALBEDO, INDEX = "albedo", "index"  # of single scattering; relative, above or below one
-WAVELENGTH = "wavelength"  # along which spectra may be steps
 
-#: Values of a parameter at which materials are computed, less one.
-LEVELS, LEVELS_OF_WAVELENGTH = 16, 64
+#: Values of most parameters at which materials are computed, less one.
+LEVELS = 16
 
 #: Three changes of a constant, one of which is zero, by which slopes are found.
 Changes = tuple[float, float, float]
@@ -41,11 +40,7 @@ class Axis(NamedTuple):
     least: float
     most: float
     own: bool = False  # whether each channel has a value of its own
-
-    @property
-    def levels(self) -> int:
-        """The number of its values at which materials are computed, less one."""
-        return LEVELS_OF_WAVELENGTH if self.scale == WAVELENGTH else LEVELS
+    levels: int = LEVELS  # values at which materials are computed, less one
 
     @property
     def numbers(self) -> tuple[float, float, float, float]:
@@ -74,7 +69,7 @@ class Axis(NamedTuple):
             x = (1 + x * abs(x)) / (1 - x * abs(x))
         elif self.scale == DEPTH:
             x = x * x / (1 - x * x * (1 / DEEP))
-        elif self.scale not in (LINEAR, WAVELENGTH):
+        elif self.scale != LINEAR:
             x = x * x
         return np.clip(x, self.least, self.most)
 
@@ -94,7 +89,7 @@ def _scaled(scale: str, value: Any, xp: Any) -> Any:
     if scale == INDEX:  # the root of Fresnel's amplitude at the normal, with its sign
         amplitude = (value - 1) / (value + 1)
         return amplitude / xp.sqrt(xp.sqrt(amplitude * amplitude + 1e-12))
-    return value if scale in (LINEAR, WAVELENGTH) else xp.sqrt(value)
+    return value if scale == LINEAR else xp.sqrt(value)
 
 
 class Leader(NamedTuple):

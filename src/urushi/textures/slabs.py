@@ -96,6 +96,7 @@ def bake(
     """
     d, known = len(axes), dict[bytes, SlabTables]()
     for part in PARTS:
+        # Colours tell slabs apart, also between the levels of the wavelength.
         x = points([LEVELS] * d, POINTS[d] // part) if axes else np.zeros((1, 0))
         at = _at_points(x, axes, changes, layers, known)
         if not axes or left_out(apart(x), at.numbers[:, 0], at.norm) < ENOUGH:

@@ -20,7 +20,7 @@ from urushi.material.slab_coordinates import (
     mirrored_inside,
     passed_coordinates,
 )
-from urushi.material.slab_table import SlabTables
+from urushi.material.slab_table import AROUND, SlabTables
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.frames import SlabMixture, above_surface, raised
 from urushi.mitsuba.plugins.coated import CoatedSurface
@@ -39,9 +39,6 @@ QUANTILES, WEIGHTS = (0.03, 0.25, 0.5, 0.8), (0.12, 0.3, 0.28, 0.2, 0.1)
 
 #: By which a quantile of the tangents of a GGX lobe is its width.
 OF_QUANTILES = (1 / np.array(QUANTILES) - 1) ** 0.5
-
-#: Nodes of the quadrature of this light in each half of the azimuth's range.
-AROUND = 8
 
 #: Cosines for which proposals are computed, and the least and largest share of reflected samples.
 ELEVATIONS, SHARES = 33, (0.03, 0.97)

@@ -31,6 +31,9 @@ SAMPLES = 1 << 14
 #: the ratio has a standard error of about 2 %.
 ANISOTROPIC_RATIO = 1.25
 
+#: Least share of light in quantiles: light of no share at all has some, too.
+LEAST_SHARE = 1e-30
+
 #: Smallest unnormalised weights of a lobe and of the cosine lobe in a proposal.
 MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
 
@@ -54,7 +57,7 @@ class BottomLobes:
         valid = (bs.pdf > 0) & (bs.wo.z > 0)
         half = bs.wo + mi.Vector3f(0, 0, 1)
         tangent = (dr.hypot(half.x, half.y) / half.z).numpy()
-        share = np.where(valid.numpy(), dr.mean(weight).numpy(), 0)
+        share = np.nan_to_num(np.where(valid.numpy(), dr.mean(weight).numpy(), 0), posinf=0)
         self.albedo = opaque(min(share.sum() / SAMPLES, 1))
         self._alphas = []  # of each lobe, one width or two
         slopes = np.abs(np.stack([(half.x / half.z).numpy(), (half.y / half.z).numpy()]))
@@ -71,16 +74,13 @@ class BottomLobes:
 
 
 def quantiles(tangents: np.ndarray, shares: np.ndarray, q: Sequence[float]) -> np.ndarray:
-    """The q-quantiles (..., Q) of tangents (..., M), each of a share (..., M) of the light.
+    """The q-quantiles (..., Q) of tangents (..., M) of shares (..., M) or (M,) of light.
 
-    They are one where there is no light.
+    Where there is no light, all tangents count alike.
     """
-    order = np.argsort(tangents, axis=-1)
-    below = np.cumsum(np.take_along_axis(np.broadcast_to(shares, order.shape), order, -1), axis=-1)
-    whole = below[..., -1:]
-    places = (below[..., None, :] < (np.array(q) * whole)[..., None]).sum(axis=-1)
-    found = np.take_along_axis(tangents, np.take_along_axis(order, places, -1), -1)
-    return np.where(whole > 0, found, 1.0)
+    weights = np.maximum(shares, LEAST_SHARE)
+    found = np.quantile(tangents, q, axis=-1, weights=weights, method="inverted_cdf")
+    return np.moveaxis(found, 0, -1)
 
 
 class CoatStack:

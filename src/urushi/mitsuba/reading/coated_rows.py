@@ -15,20 +15,20 @@ from urushi.material.layer import check_ratios
 from urushi.material.substrate import Substrate
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.bottoms import Layer
-from urushi.mitsuba.reading.grid import within
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS
-from urushi.mitsuba.reading.rows import BottomRows, NestedRows, along_u, wavelengths_of
-from urushi.mitsuba.reading.varying import NANOMETRES
-from urushi.mitsuba.tables import Interpolated
+from urushi.mitsuba.reading.rows import BottomRows, NestedRows
+from urushi.mitsuba.reading.wavelengths import (
+    NANOMETRES,
+    WAVELENGTH,
+    WAVELENGTHS,
+    along_u,
+    wavelength_ends,
+    wavelengths_of,
+    wavelengths_varying,
+)
 from urushi.nets.weights import Model
-from urushi.textures.axes import WAVELENGTH, Axis, Varying
+from urushi.textures.axes import Varying
 from urushi.textures.layering import transported_rests
-
-#: Parts of the spectrum in which a material's changes with the wavelength are found.
-WAVELENGTHS = 512
-
-#: Wavelengths that measured spectra have, many of them no others [nm].
-MEASURED = (400.0, 700.0)
 
 
 class CoatedRows:
@@ -53,7 +53,9 @@ class CoatedRows:
         grey = same and bottoms.is_grey()
         self._channels = 1 if grey or mi.is_spectral else spectrum.channel_count()
         if mi.is_spectral and not grey and WAVELENGTH not in self._known:
-            nm = np.linspace(*wavelength_ends(layer), WAVELENGTHS + 1)
+            nm = np.linspace(
+                *wavelength_ends([layer.nested, *layer.coat.textures.values()]), WAVELENGTHS + 1
+            )
             self.varying.append(wavelengths_varying(nm, self._spectral_changes(nm)))
 
     def _spectral_changes(self, wavelengths: np.ndarray) -> np.ndarray:
@@ -124,37 +126,3 @@ class CoatedRows:
         below, places = self._bottoms.substrate(self._named(values), self._channels)
         check_ratios(self._model, below.reflector.lobe, coat)
         return below, np.broadcast_to(places, (self._channels, len(values))), coat
-
-
-def wavelength_ends(layer: Layer) -> tuple[float, float]:
-    """The least and the largest wavelength of the axis [nm]; a material is the same beyond them.
-
-    Mitsuba's spectra are zero outside of their ranges. Codes cannot follow that jump, and beyond
-    `MEASURED` there is little to see.
-    """
-    parts = [x for root in (layer.nested, *layer.coat.textures.values()) for x in within(root)]
-    ranges = [x.wavelength_range() for x in parts if isinstance(x, mi.Texture)]
-    low = max(first for first, _ in [spectrum.ENDS, *ranges] if first <= MEASURED[0])
-    high = min(last for _, last in [spectrum.ENDS, *ranges] if last >= MEASURED[1])
-    return float(low), float(high)
-
-
-def wavelengths_varying(wavelengths: np.ndarray, changes: np.ndarray) -> Varying:
-    """The wavelength as a parameter, on an axis along which the material changes about evenly.
-
-    A half of the axis is even in the wavelength: where nothing changes, the material is known, too.
-
-    changes: (N,) amounts by which it changes between even wavelengths (N + 1,) [nm].
-    """
-    places = np.append(0, np.cumsum(changes + changes.mean() + 1e-9))
-    places /= places[-1]
-    table, (first, last) = Interpolated(places[:, None]), wavelengths[[0, -1]].tolist()
-
-    def read(si, active) -> list:
-        return [table([(x - first) * (1 / (last - first))])[0] for x in si.wavelengths]
-
-    return Varying(
-        Axis(WAVELENGTH, WAVELENGTH, 0.0, 1.0, own=True),
-        read,
-        places=np.stack([places, wavelengths]),
-    )

@@ -3,7 +3,6 @@
 Rows are evaluated by one BSDF whose parameters are textures of the values along u.
 """
 
-import contextlib
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from itertools import product
@@ -24,9 +23,10 @@ from urushi.mitsuba.reading.changed import derived, relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.parameters import Medium
 from urushi.mitsuba.reading.probing import known_surface
-from urushi.mitsuba.reading.varying import BOTTOM, INSIDE, NANOMETRES
+from urushi.mitsuba.reading.varying import BOTTOM, INSIDE
+from urushi.mitsuba.reading.wavelengths import NANOMETRES, WAVELENGTH, along_u, wavelengths_of
 from urushi.nets.weights import Model
-from urushi.textures.axes import WAVELENGTH, Varying
+from urushi.textures.axes import Varying
 from urushi.textures.layering import different
 from urushi.textures.point_codes import FAINT
 
@@ -236,21 +236,8 @@ def _count(rows: Mapping[str, np.ndarray]) -> int:
     return len(next(iter(rows.values())))
 
 
-def along_u(count: int) -> np.ndarray:
-    """Points uv (count, 2) in the middles of a row of texels."""
-    return np.stack([(np.arange(count) + 0.5) / count, np.full(count, 0.5)], axis=-1)
-
-
 def texels(values: np.ndarray) -> "mi.Texture":
     """A texture of values along u."""
     data = mi.Bitmap(np.array(values, np.float32).reshape(1, -1, 1))
     options = {"raw": True, "filter_type": "nearest", "wrap_mode": "clamp"}
     return mi.load_dict({"type": "bitmap", "bitmap": data, **options})
-
-
-def wavelengths_of(rows: Mapping[str, np.ndarray], count: int) -> Any:
-    """The context in which rows (count,) along u are read at their wavelengths."""
-    if not mi.is_spectral:
-        return contextlib.nullcontext()
-    own = rows.get(NANOMETRES, np.full(count, spectrum.RGB[1]))
-    return spectrum.reading_at(own.astype(np.float32))

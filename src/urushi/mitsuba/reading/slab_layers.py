@@ -9,11 +9,9 @@ import numpy.typing as npt
 from urushi.checks import MIN_ALPHA
 from urushi.core.namespace import NUMPY
 from urushi.mitsuba import spectrum
-from urushi.mitsuba.reading.coated_rows import WAVELENGTHS, wavelengths_varying
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.mitsuba.reading.ranges import range_of
-from urushi.mitsuba.reading.rows import along_u
 from urushi.mitsuba.reading.varying import (
     CHANGES,
     COAT,
@@ -23,8 +21,14 @@ from urushi.mitsuba.reading.varying import (
     of_coat,
     parameter_along,
 )
+from urushi.mitsuba.reading.wavelengths import (
+    WAVELENGTH,
+    WAVELENGTHS,
+    along_u,
+    wavelengths_varying,
+)
 from urushi.mitsuba.snapshot import has_gradients
-from urushi.textures.axes import REFLECTANCE, WAVELENGTH, WIDTH, Axis, Changes, Leader, Varying
+from urushi.textures.axes import REFLECTANCE, WIDTH, Axis, Changes, Leader, Varying
 
 #: Difference of channels that are the same up to rounding.
 ALIKE = 1e-5
@@ -64,7 +68,7 @@ class SlabLayers:
         self.axes = [x for x in every if not (x.changes or x.leader)] + wavelength
         self.led = [x for x in every if x.leader]
         self.constants = [x for x in every if x.changes]
-        self._spectra = [x.leader.own for x in coloured if x.leader]
+        self._coloured = [(x.axis, x.leader) for x in coloured if x.leader]
         rows = [coat.layering(spectrum.MIDDLE) for coat in coats]
         channels = max(x.size for row in rows for x in row[2:])
         self._media = np.array(
@@ -114,24 +118,21 @@ class SlabLayers:
         spectrum of a constant returns to a value, the slab may return to what it was.
         """
         columns = [*x.T]
-        if self._spectra:
+        if self._coloured:
             place = columns.pop()
-            columns += [
-                own.axis.coordinate(own.leader.at(place), NUMPY)
-                for own in self.led
-                if own.leader is not None and own.leader.name == WAVELENGTH
-            ]
+            columns += [axis.coordinate(led.at(place), NUMPY) for axis, led in self._coloured]
         return np.stack(columns, axis=1) if columns else x
 
     def lie_within(self, other: "SlabLayers") -> bool:
         """Whether these layers are among those along the axes of others."""
         pairs = zip(self.axes, other.axes, strict=False)
+        spectra = ([led.own for _, led in layers._coloured] for layers in (self, other))
         return (
             [*self._places] == [*other._places]
             and [x.differentiable for x in self.axes] == [x.differentiable for x in other.axes]
             and all(b.axis.contains(a.axis) for a, b in pairs)
             and all(map(agree, other.led, self.led))
-            and all(map(np.array_equal, self._spectra, other._spectra))
+            and all(map(np.array_equal, *spectra))
             and not (self.constants or other.constants)
             and np.array_equal(self._interfaces, other._interfaces)
             and np.array_equal(self._media, other._media)
@@ -196,14 +197,14 @@ def _of_wavelength(coats: Sequence[CoatTextures]) -> tuple[list[Varying], list[V
             (row,) = rows[name]
             if name not in known and np.ptp(row) > ALIKE:
                 axis = Axis(name, COAT[name][0], float(row.min()), float(row.max()), own=True)
-                found.append((_of_level(Varying(axis, lambda *_: []), level), row))
+                found.append((level, axis, row))
     if not found:
         return [], []
-    changes = sum(np.abs(np.diff(x.axis.coordinate(row, NUMPY))) for x, row in found)
+    changes = sum(np.abs(np.diff(axis.coordinate(row, NUMPY))) for _, axis, row in found)
     along = wavelengths_varying(nm, changes)
     assert along.places is not None  # for the type checker
-    leaders = [Leader(WAVELENGTH, along.places[0], row) for _, row in found]
-    return [along], [x._replace(leader=y) for (x, _), y in zip(found, leaders, strict=True)]
+    led = [(level, axis, Leader(WAVELENGTH, along.places[0], row)) for level, axis, row in found]
+    return [along], [_of_level(Varying(x, along.read, leader=y), level) for level, x, y in led]
 
 
 def _of_interface(textures: Mapping[str, "mi.Texture"]) -> list[Varying]:

@@ -20,9 +20,10 @@ from urushi.mitsuba.reading.changed import numbers_of
 from urushi.mitsuba.reading.grid import not_over_uv, parts, varying_textures
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.ranges import INDICES, range_of, texel_centres
+from urushi.mitsuba.reading.wavelengths import WAVELENGTH
 from urushi.mitsuba.snapshot import has_gradients, is_attached, writable
 from urushi.textures import axes
-from urushi.textures.axes import WAVELENGTH, Axis, Changes, Leader, Varying
+from urushi.textures.axes import Axis, Changes, Leader, Varying
 
 #: All values of a parameter, by its scale.
 RANGES = {
@@ -71,8 +72,8 @@ PARTS, POINTS = 512, 1 << 14
 #: Within a part, the mean and the largest change of the coordinate of what follows from it.
 MEAN, MOST = 0.01, 0.1
 
-#: Name of the wavelengths on their axis [nm], and start of the names of a bottom's parameters.
-NANOMETRES, BOTTOM = "nm", "bottom."
+#: Start of the names of a bottom's parameters.
+BOTTOM = "bottom."
 
 
 def varying_parameters(
