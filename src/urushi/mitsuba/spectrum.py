@@ -144,6 +144,11 @@ def mean(value) -> Any:
     return value if dr.depth_v(value) == 1 else dr.mean(value)
 
 
+def luminance(color, wavelengths) -> Any:
+    """The luminance of a spectrum, in spectral variants as Mitsuba estimates it of a ray's."""
+    return mi.luminance(color, wavelengths) if mi.is_spectral else mi.luminance(color)
+
+
 def points(uv: np.ndarray) -> "mi.SurfaceInteraction3f":
     """Surface interactions at points uv (M, 2), for textures."""
     si = dr.zeros(mi.SurfaceInteraction3f, len(uv))

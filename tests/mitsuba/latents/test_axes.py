@@ -90,6 +90,12 @@ def brushed() -> dict:
     return {"alpha": 0.35, "sigma_t": strip(0.1, 2.0), "base": metal | {"base_color": noise(1)}}
 
 
+def tints() -> dict:
+    """Its channels depend on each other, by the luminance."""
+    tinted = {"spec_tint": 0.8, "metallic": strip(0.1, 0.6), "sheen": 0.5, "sheen_tint": 0.9}
+    return {"base": {"type": "principled", "base_color": noise(3), **tinted}}
+
+
 #: Coats with textures that texels of one grid represent badly, and the names of their axes. Those
 #: of one texture lie along one axis, if one is a function of the other.
 VARNISHES = {
@@ -107,6 +113,7 @@ VARNISHES = {
     "vertex colours of a dye": (lambda: {"color": VERTICES, "base": WHITE}, "sigma_t"),
     "a brushed metal": (brushed, "sigma_t bottom.base_color"),
     "a pigment's colour": (lambda: {"body": 0.6, "body_color": noise(3), "base": GOLD}, "albedo"),
+    "tints": (tints, "bottom.metallic bottom.base_color bottom.base_color/luminance"),
     "two roughnesses": (two_roughnesses, "alpha"),
     "two textures": (
         lambda: {"alpha": noise(1), "base": GOLD | {"alpha": noise(1, seed=1)}},

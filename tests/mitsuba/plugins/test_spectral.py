@@ -62,6 +62,11 @@ MATERIALS = {
     ),
     "tints": (lambda x: coated(x, TINTED), 0.03, 0.003),
     "textured tints": (lambda x: coated(x, TINTED, sigma_t=strip(0.1, 0.2)), 0.03, 0.003),
+    "tints of textures": (
+        lambda x: coated(x, TINTED | {"base_color": texture((0.7, 0.2, 0.1))}),
+        0.03,
+        0.003,
+    ),
     "media": (lambda x: coated(x, GREY, sigma_t=0.7, albedo=texture(GREEN)), 0.03, 0.003),
     "metals": (lambda x: coated(x, DARK | {"specular_reflectance": texture(GREEN)}), 0.03, 0.01),
     "textured openpbr": (lambda x: openpbr(x, texture((0.9, 0.3, 0.02))), 0.05, 0.003),

@@ -198,53 +198,64 @@ def bottom_material(model: Model, bottom: "mi.BSDF", where: str) -> Material:
 
 
 def probed_codes(
-    model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str, bounded: bool = False
+    model: Model,
+    bottom: "mi.BSDF",
+    uv: np.ndarray,
+    where: str,
+    kept: slice = probing.ALL,
+    *,
+    bounded: bool = False,
 ) -> np.ndarray:
     """Codes (M, C, L) of a bottom at points uv (M, 2).
 
+    kept: of the channels, which C are.
     bounded: whether they have the bottom's albedo, which takes several times as many evaluations.
     """
     nested = nested_latents(bottom, model)
     if nested is not None:
-        return nested.at(uv)
-    lobe = known_lobes(model, bottom, uv, where)
+        return nested.at(uv)[:, kept]
+    lobe = known_lobes(model, bottom, uv, where, kept)
     if lobe is not None and known_surface(bottom).lobe_only:
         for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
             np.minimum(reach, 1, out=reach)
         rest = np.broadcast_to(model.networks.empty_rest(), (*lobe.shape[:2], model.arch.rest))
         return np.concatenate([lobe, rest], axis=-1)
     probes = model.networks.pairs()
-    average = probing.needed_averaging(bottom, *probes, uv, where, model.widths)
+    average = probing.needed_averaging(bottom, *probes, uv, where, model.widths, kept)
     pairs = required_pairs(None, model, table=False) if bounded else probes
-    f = probing.check_values(probing.texel_values(bottom, *pairs, uv, average), where)[:, :, None]
+    f = probing.texel_values(bottom, *pairs, uv, average, kept)
+    f = probing.check_values(f, where)[:, :, None]
     lobe = None if lobe is None else lobe[:, :, None]  # each row is a material of its own
     codes = codes_of_values(f, model, lobe) if bounded else model.networks.encode(f, lobe)
     return codes[:, :, 0]
 
 
 def probed_tables(
-    model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str, channels: int
-) -> tuple[np.ndarray, np.ndarray | None]:
-    """ln g (channels, M, U, V, W) at points uv (M, 2), beside lobes (channels, M, N) or None."""
+    model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str, kept: slice
+) -> list[np.ndarray]:
+    """ln g (C, M, U, V, W) at points uv (M, 2), and known lobes (C, M, N), if any."""
     exact = known_surface(bottom).table_source() or bottom
-    known = known_lobes(model, bottom, uv, where)
+    known = known_lobes(model, bottom, uv, where, kept)
     wi, wo = (w.reshape(-1, 3) for w in node_pairs())
-    average = probing.needed_averaging(exact, *model.networks.pairs(), uv, where)
-    f = probing.texel_values(exact, wi, wo, uv, average)[:, :channels]
+    average = probing.needed_averaging(exact, *model.networks.pairs(), uv, where, kept=kept)
+    f = probing.texel_values(exact, wi, wo, uv, average, kept)
     f = np.moveaxis(probing.check_values(f, where), 1, 0)
     if known is not None:
-        known = np.moveaxis(known[:, :channels], 1, 0)
+        known = np.moveaxis(known, 1, 0)
         f = remainder(f, known[..., None, :], wi, wo)
     logs = np.moveaxis(table_of_values(f.reshape(-1, len(wi)).T), -1, 0)
-    return logs.reshape(*f.shape[:2], *logs.shape[1:]), known
+    tables = logs.reshape(*f.shape[:2], *logs.shape[1:])
+    return [tables] if known is None else [tables, known]
 
 
-def known_lobes(model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str) -> np.ndarray | None:
+def known_lobes(
+    model: Model, bottom: "mi.BSDF", uv: np.ndarray, where: str, kept: slice
+) -> np.ndarray | None:
     """Lobes (M, C, N) at points uv (M, 2) as codes have them; None: they are fitted."""
     found = probing.known_lobes(bottom, uv)
     if found is None:
         return None
-    found = probing.check_values(found, where)
+    found = probing.check_values(found[:, kept], where)
     if found.shape[-1] < model.arch.lobe:
         found = with_two_widths(found)
     # Codes of one width fit a lobe of two.

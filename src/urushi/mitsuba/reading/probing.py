@@ -52,6 +52,9 @@ ANISOTROPIC_BUDGET = 1 << 32
 #: among its parameters.
 GGX = "distribution = ggx"
 
+#: All channels.
+ALL = slice(None)
+
 #: Mitsuba's rough plastics.
 PLASTICS = ("RoughPlastic", "PolarizedPlastic")
 
@@ -129,13 +132,26 @@ class Averaging(NamedTuple):
         return found + [sides[::-1] for sides in found] if self.exchanged else found
 
 
+#: A single evaluation.
+ONCE = Averaging()
+
+
 def texel_values(
-    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Averaging
+    bsdf: "mi.BSDF",
+    wi: np.ndarray,
+    wo: np.ndarray,
+    uv: np.ndarray,
+    average: Averaging = ONCE,
+    kept: slice = ALL,
 ) -> np.ndarray:
-    """f float32 (M, C, P) [1/sr] at points uv (M, 2) for pairs (P, 3) above the horizon."""
+    """f float32 (M, C, P) [1/sr] at points uv (M, 2) for pairs (P, 3) above the horizon.
+
+    kept: of the channels, which C are.
+    """
     tables = [[_vector(w) for w in sides] for sides in average.pairs(wi, wo)]
     count, most = average.repeats * len(tables), max(CHUNK // len(wi), 1)
-    result = np.empty((len(uv), spectrum.channel_count(), len(wi)), np.float32)
+    channel_count = len(range(spectrum.channel_count())[kept])
+    result = np.empty((len(uv), channel_count, len(wi)), np.float32)
     for start in range(0, len(uv), most):
         part = result[start : start + most]
         index = dr.arange(mi.UInt32, len(part) * len(wi))
@@ -145,7 +161,7 @@ def texel_values(
         total = [mi.Float(0)] * part.shape[1]
         for repeat, table in itertools.product(range(average.repeats), tables):
             a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
-            channels = bsdf_channels(bsdf, interaction(a, where, float(repeat)), b)
+            channels = bsdf_channels(bsdf, interaction(a, where, float(repeat)), b)[kept]
             total = [x + y for x, y in zip(total, channels, strict=True)]
             dr.eval(total)
         for channel, value in enumerate(total):
@@ -155,7 +171,13 @@ def texel_values(
 
 
 def needed_averaging(
-    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, where: str, widths: int = 1
+    bsdf: "mi.BSDF",
+    wi: np.ndarray,
+    wo: np.ndarray,
+    uv: np.ndarray,
+    where: str,
+    widths: int = 1,
+    kept: slice = ALL,
 ) -> Averaging:
     """The averaging that gives a BSDF the symmetry of a material at uv (M, 2) and pairs (P, 3).
 
@@ -170,14 +192,14 @@ def needed_averaging(
     uv = uv[np.random.default_rng(0).integers(points, size=TESTED)]
     tests = [isotropy_test_pairs(wi, wo)] if widths == 1 else mirrored_pairs(wi, wo)[1:3]
     once, exchanged, *others = (
-        texel_values(bsdf, *pair, uv, Averaging()) for pair in ((wi, wo), (wo, wi), *tests)
+        texel_values(bsdf, *pair, uv, kept=kept) for pair in ((wi, wo), (wo, wi), *tests)
     )
     reciprocal = nearly_equal(once, exchanged)
     if all(nearly_equal(once, other) for other in others):
         return Averaging(1, not reciprocal)
     if widths == 2:
         return Averaging(0, not reciprocal)
-    mean = texel_values(bsdf, wi, wo, uv, Averaging(LEAST_AZIMUTHS))
+    mean = texel_values(bsdf, wi, wo, uv, Averaging(LEAST_AZIMUTHS), kept)
     spread = np.abs(once - mean).sum() / max(mean.sum(), 1e-30)
     if spread > WARNED_ASYMMETRY:
         mi.Log(mi.LogLevel.Warn, f"{where}: " + Deviations(anisotropy=spread).warnings()[0])

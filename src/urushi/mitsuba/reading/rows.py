@@ -3,11 +3,12 @@
 Rows are evaluated by one BSDF whose parameters are textures of the values along u.
 """
 
-from collections.abc import Mapping, Sequence
-from functools import cached_property
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, partial
 from itertools import product
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -23,7 +24,7 @@ from urushi.mitsuba.reading.changed import derived, relative_to, replaced
 from urushi.mitsuba.reading.grid import not_over_uv
 from urushi.mitsuba.reading.parameters import Medium
 from urushi.mitsuba.reading.probing import known_surface
-from urushi.mitsuba.reading.varying import BOTTOM, INSIDE
+from urushi.mitsuba.reading.varying import BOTTOM, INSIDE, TINT
 from urushi.mitsuba.reading.wavelengths import NANOMETRES, WAVELENGTH, along_u, wavelengths_of
 from urushi.nets.weights import Model
 from urushi.textures.axes import Varying
@@ -41,6 +42,9 @@ GREY = 1e-4
 
 #: [1/sr] Least g of a nested coat, see `nets.transmittance`.
 BLACK = 1e-8
+
+#: Least values of colours and of tints: black has no tint.
+LEAST_COLOR, LEAST_TINT = 1e-4, 1e-3
 
 #: Index of a coat to which the numbers of a bottom's parameters are relative.
 INDEX = "eta"
@@ -105,12 +109,12 @@ class BottomRows:
             x.axis.name: np.zeros((1, COMPARED)) if x.changes else spectrum.channels_at(uv, x.read)
             for x in varying
         }
-        f = probing.texel_values(layer.below, wi, wo, uv, probing.Averaging())
+        f = probing.texel_values(layer.below, wi, wo, uv)
         for channel in range(f.shape[1]):
-            at = plain._at({n: x[min(channel, len(x) - 1)] for n, x in rows.items()})
+            at = plain._at({n: x[min(channel, len(x) - 1)] for n, x in rows.items()}, channel)
             if at is None:
                 return None
-            own = probing.texel_values(at, wi, wo, along_u(COMPARED), probing.Averaging())
+            own = probing.texel_values(at, wi, wo, along_u(COMPARED))
             error = np.abs(own[:, channel] - f[:, channel]).sum()
             if error > TOLERANCE * max(f[:, channel].sum(), 1e-9):
                 return None
@@ -121,11 +125,15 @@ class BottomRows:
         sides = [(0.0, 0.0) if x.changes else (x.axis.least, x.axis.most) for x in self._varying]
         ends = list(product(*sides))[:16]
         columns = dict(zip(self._names, np.array(ends).T, strict=True)) if self._names else {}
-        bsdf, uv = self._at(columns), along_u(len(ends))
-        # Its table may have colours that codes leave out.
-        bsdf = known_surface(bsdf).table_source() or bsdf
-        f = probing.texel_values(bsdf, *self._model.networks.pairs(), uv, probing.Averaging())
-        return bool(np.allclose(f, f[:, :1], rtol=GREY, atol=1e-9))
+        pairs, uv = self._model.networks.pairs(), along_u(len(ends))
+
+        def read(bsdf: Any, kept: slice) -> Sequence[np.ndarray]:
+            # Its table may have colours that codes leave out.
+            bsdf = known_surface(bsdf).table_source() or bsdf
+            return [np.moveaxis(probing.texel_values(bsdf, *pairs, uv, kept=kept), 1, 0)]
+
+        (f,) = self._channels(columns, read, spectrum.channel_count())
+        return bool(np.allclose(f, f[:1], rtol=GREY, atol=1e-9))
 
     def spectral_changes(self, count: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
         """Amounts (count,) by which ln f changes between the wavelengths.
@@ -134,7 +142,7 @@ class BottomRows:
         """
         with wavelengths_of(values, count + 1):
             pairs, uv = self._model.networks.pairs(), along_u(count + 1)
-            f = probing.texel_values(self._at(values), *pairs, uv, probing.Averaging())[:, 0]
+            f = probing.texel_values(self._at(values), *pairs, uv)[:, 0]
         logs = np.log(np.maximum(f, 1e-6))
         return np.abs(np.diff(logs, axis=0)).mean(axis=1)
 
@@ -145,18 +153,38 @@ class BottomRows:
             return None
         return bottoms.bottom_material(self._model, self._layer.below, self._where)
 
-    def _at(self, rows: Mapping[str, np.ndarray]) -> Any:
+    def _channels(
+        self,
+        rows: Mapping[str, np.ndarray],
+        read: Callable[[Any, slice], Sequence[np.ndarray]],
+        channels: int,
+    ) -> list[np.ndarray]:
+        """The arrays (C, ...) that `read` gives of some channels of BSDFs, for all channels."""
+        if mi.is_spectral or not any(name.endswith(TINT) for name in self._names):
+            return [*read(self._at(rows), slice(channels))]
+        each = (read(self._at(rows, c), slice(c, c + 1)) for c in range(channels))
+        return [np.concatenate(parts) for parts in zip(*each, strict=True)]
+
+    def _at(self, rows: Mapping[str, np.ndarray], channel: int = 0) -> Any:
         """The BSDF whose varying parameters have rows (k,) of values along u, by their names.
 
         None if the bottom is of an unknown kind, which `of` finds.
+
+        channel: that has the values of colours beside which there are tints; in spectral variants
+            it is the wavelength that is read.
         """
         coat, nested = self._layer.coat, self._layer.nested
         textures, numbers = dict[int, Any](), {}
         medium: Medium = coat
         for x in self._varying:
             name, row = x.axis.name, rows[x.axis.name]
+            if name.endswith(TINT):
+                continue
             if x.texture:
                 own = texels(row)
+                if name + TINT in rows:
+                    parts = {"value": own, "tint": texels(rows[name + TINT])}
+                    own = derived(partial(_tinted, 0 if mi.is_spectral else channel), parts)
                 if x.changes:
                     parts = {"value": x.texture, "change": own}
                     own = derived(lambda si, active, a, b: a + b, parts)
@@ -183,23 +211,24 @@ class BottomRows:
             places = np.repeat(np.arange(channels)[:, None], _count(values), axis=1)
             return whole, places % whole.channels
         rows, which = self._distinct(values)
-        count, model, codes, tables = _count(rows), self._model, list[Any](), list[Any]()
+        count, model, parts = _count(rows), self._model, list[list[np.ndarray]]()
         for start in range(0, count, BLOCK):
             some = {name: x[start : start + BLOCK] for name, x in rows.items()}
-            bsdf, uv = self._at(some), along_u(_count(some))
-            with wavelengths_of(some, len(uv)):
+            uv = along_u(_count(some))
+
+            def read(bsdf: Any, kept: slice, uv: np.ndarray = uv) -> Sequence[np.ndarray]:
                 if model.widths == 2 or known_surface(bsdf).lobe_only:
-                    codes.append(bottoms.probed_codes(model, bsdf, uv, self._where, bounded=True))
-                else:
-                    tables.append(bottoms.probed_tables(model, bsdf, uv, self._where, channels))
-        if codes:
-            found = np.moveaxis(np.concatenate(codes)[:, :channels], 1, 0)
+                    codes = bottoms.probed_codes(model, bsdf, uv, self._where, kept, bounded=True)
+                    return [np.moveaxis(codes, 1, 0)]
+                return bottoms.probed_tables(model, bsdf, uv, self._where, kept)
+
+            with wavelengths_of(some, len(uv)):
+                parts.append(self._channels(some, read, channels))
+        found, *lobes = (np.concatenate(x, axis=1) for x in zip(*parts, strict=True))
+        if found.ndim == 3:  # codes
             return different(model, found[:, which])
-        logs, known = zip(*tables, strict=True)
-        table = np.concatenate(logs, axis=1).reshape(channels * count, *SHAPE)
-        top = None
-        if known[0] is not None:
-            top = np.concatenate(known, axis=1).reshape(channels * count, -1)
+        table = found.reshape(channels * count, *SHAPE)
+        top = lobes[0].reshape(channels * count, -1) if lobes else None
         below = Substrate.of(Reflector.of_logs(np.moveaxis(table, 0, -1), top))
         return below, np.arange(channels)[:, None] * count + which
 
@@ -229,6 +258,18 @@ def rows_of(
     index = INDEX if relative and layer.coat.changing_indices == (True, False) else INSIDE
     own = [x for x in varying if x.axis.name.startswith(BOTTOM) or x.axis.name == index]
     return BottomRows.of(model, layer, own)
+
+
+def _tinted(channel: int, si, active, value, tint) -> "mi.Spectrum":
+    """A colour of which one channel has a value, and a tint: the value over the luminance.
+
+    The other channels are equal, and negative where no colour has the tint.
+    """
+    only = mi.Spectrum(*(float(c == channel) for c in range(dr.size_v(mi.Spectrum))))
+    share, whole = (spectrum.luminance(x, si.wavelengths) for x in (only, mi.Spectrum(1)))
+    own = dr.maximum(value[channel], LEAST_COLOR)
+    light = own / dr.maximum(tint[channel], LEAST_TINT)
+    return dr.select(only > 0, own, (light - share * own) / (whole - share))
 
 
 def _count(rows: Mapping[str, np.ndarray]) -> int:

@@ -8,6 +8,7 @@ the values that it may take. Parameters that follow from one texture share an ax
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -74,6 +75,16 @@ MEAN, MOST = 0.01, 0.1
 
 #: Start of the names of a bottom's parameters.
 BOTTOM = "bottom."
+
+#: Parameters of `principled` that depend on the base colour over its luminance, which is a
+#: parameter of its own: end of its name, and largest value.
+TINTS, TINT, MOST_TINT = ("spec_tint", "sheen_tint"), "/luminance", 14.0
+
+#: Range of tints below which a texture is grey.
+GREY = 1e-3
+
+#: Luminance below which a colour is black and has no tint.
+LEAST_LUMINANCE = 1e-6
 
 
 def varying_parameters(
@@ -160,7 +171,39 @@ def _of_bottom(bottom: "mi.BSDF", where: str) -> list[Varying]:
         check(ends, f"{where}: a texel of the nested BSDF's {name}", any_shape=True)
         axis = Axis(BOTTOM + name, scale, *ends, coloured and _coloured(texture))
         found += parameter_along(axis, whole if gradient else None, read, [texture], texture)
+        if axis.own and varying_textures(texture) and _is_tinted(textures, name):
+            found += _tint(found[-1], gradient)
     return found
+
+
+def _is_tinted(textures: Mapping[str, Any], name: str) -> bool:
+    """Whether a bottom depends on its colour of that name over the luminance, too."""
+    beside = (textures.get(name.replace("base_color", tint)) for tint in TINTS)
+    return any(
+        varying_textures(x)
+        or has_gradients(x)
+        or spectrum.channels_at(spectrum.MIDDLE, x.eval).any()
+        for x in beside
+        if isinstance(x, mi.Texture) and x is not textures[name]
+    )
+
+
+def _tint(color: Varying, gradient: bool) -> list[Varying]:
+    """The parameter that is a varying colour over its luminance; 1 where it is black."""
+    axis, texture = color.axis, color.texture
+
+    def read(si, active) -> list:
+        channels = texture.eval(si, active)
+        luminance = spectrum.luminance(channels, si.wavelengths)
+        whole = dr.maximum(luminance, LEAST_LUMINANCE)
+        return [dr.select(luminance > LEAST_LUMINANCE, x / whole, 1) for x in channels]
+
+    whole = (0.0, MOST_TINT)
+    ends = range_of(read, [texture], whole, False)
+    own = axis._replace(name=axis.name + TINT, scale=axes.WIDTH, least=ends[0], most=ends[1])
+    if not gradient and np.ptp(ends) < GREY:
+        return []
+    return parameter_along(own, whole if gradient else None, read, [texture], texture)
 
 
 def _numbers_of_bottom(bottom: "mi.BSDF") -> list[Varying]:
