@@ -6,7 +6,7 @@ unexport PYTHONDONTWRITEBYTECODE
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 .PHONY: demo test first-tier test-all test-research lint check-wheel docs docs-packages cookbook tutorial \
-    notebook thumbnails measured-pictures figures set-up format clean viewer test-web test-page
+    notebook thumbnails measured-pictures figures set-up format clean viewer printed test-web test-page
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -97,8 +97,7 @@ figures: $(READY)
 	.venv/bin/python -m benchmarks stale
 
 # Builds the page of `urushi view` into the package; using it needs no Node, building it does.
-viewer: $(READY) viewer/node_modules/.ready
-	.venv/bin/python viewer/formulas.py
+viewer: printed viewer/node_modules/.ready
 	cd viewer && npm run build
 
 # Builds the page, then checks and tests it; in Chromium also the long cases.
@@ -108,10 +107,14 @@ test-web: viewer
 
 # Checks and tests of the page as it is built: types, style, units, and the whole page in Chromium,
 # but for the long cases
-test-page: $(READY) viewer/node_modules/.ready
+test-page: printed viewer/node_modules/.ready
 	cd viewer && npm run check && npm test
 	viewer/install_chromium
 	cd viewer && npm run test:page
+
+# What the page has of Python's formulas and constants, which is not under version control
+printed: $(READY)
+	.venv/bin/python viewer/formulas.py
 
 # Not `npm ci`: since npm 11 it refuses a lock file without the packages of other platforms.
 viewer/node_modules/.ready: viewer/package-lock.json

@@ -2,11 +2,11 @@
 
     python viewer/formulas.py
 
-writes `src/core/formulas.ts`, `src/picture/shaders/material.glsl` and `src/material/library.ts`.
-The formulas are those of `urushi.core` and `urushi.nets`, by the expressions of which
-`urushi export` prints shaders; what has a fast form of its own in the page, the networks' layers,
-is not among them. Functions take numbers, a direction as three of them, and put features into an
-array. `make viewer` runs this script.
+writes the files of `src/printed`, which are not under version control. The formulas are those of
+`urushi.core` and `urushi.nets`, by the expressions of which `urushi export` prints shaders; what
+has a fast form of its own in the page, the networks' layers, is not among them. Functions take
+numbers, a direction as three of them, and put features into an array. `make viewer` and
+`make test-page` run this script.
 """
 
 import ast
@@ -47,14 +47,12 @@ from urushi.export.program import TABLE
 from urushi.export.statements import Function, Variable, element, integer, namespace
 from urushi.nets import features, lobe, proposal, transmittance
 
-FILE = Path(__file__).parent / "src/core/formulas.ts"
-SHADER_FILE = Path(__file__).parent / "src/picture/shaders/material.glsl"
-LIBRARY_FILE = Path(__file__).parent / "src/material/library.ts"
+FOLDER = Path(__file__).parent / "src/printed"
 
 LIBRARY_HEAD = """\
 // Written by `python viewer/formulas.py` from the library of materials of Python. Do not edit it.
 
-import type { BottomInAir, CoatInAir } from "./material";
+import type { BottomInAir, CoatInAir } from "../material/material";
 
 /** A described material. */
 interface Described {
@@ -67,10 +65,6 @@ interface Described {
 export const LIBRARY: readonly Described[] = ["""
 
 HEAD = """\
-// Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
-"""
-
-SHADER_HEAD = """\
 // Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
 """
 
@@ -423,7 +417,7 @@ def shader_text() -> str:
     printer = Glsl("material")
     functions = transmittance_function(), _f(1), _f(2)
     lines = (line for function in functions for line in printer.function(function))
-    return "\n".join([SHADER_HEAD, *lines, ""])
+    return "\n".join([HEAD, *lines, ""])
 
 
 def _f(widths: int) -> Function:
@@ -497,11 +491,20 @@ def _short(layer: dict[str, Any]) -> dict[str, Any]:
     return {key: one(value) for key, value in layer.items()}
 
 
+def files() -> dict[str, str]:
+    """The texts of the files of `FOLDER` by their names."""
+    return {
+        "formulas.ts": text(),
+        "material.glsl": shader_text(),
+        "library.ts": library_text(),
+    }
+
+
 def main() -> None:
     """Write the files."""
-    FILE.write_text(text(), encoding="utf-8")
-    SHADER_FILE.write_text(shader_text(), encoding="utf-8")
-    LIBRARY_FILE.write_text(library_text(), encoding="utf-8")
+    FOLDER.mkdir(exist_ok=True)
+    for label, content in files().items():
+        (FOLDER / label).write_text(content, encoding="utf-8")
 
 
 if __name__ == "__main__":

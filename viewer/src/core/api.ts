@@ -6,9 +6,9 @@
  * one of `latentSize` numbers for every channel, row by row.
  */
 
+import type { Vector } from "../printed/formulas";
 import type { FTable } from "./f_table";
 import type { Widths } from "./features";
-import type { Vector } from "./formulas";
 
 /** One number for all channels, or one for each of red, green and blue. */
 export type Channels = number | readonly [number, number, number];

@@ -10,9 +10,9 @@
  * last number of the code.
  */
 
+import { BASIS, TABLE } from "../printed/formulas";
 import { Cell, clampedLog, type FTable, NODES, tableValues } from "./f_table";
 import type { Pairs, Widths } from "./features";
-import { BASIS, TABLE } from "./formulas";
 import { leastSquares } from "./least_squares";
 
 /** The parameters of a basis of K functions. */

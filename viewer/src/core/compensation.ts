@@ -8,10 +8,10 @@
  * `material.layer` and `core.facets` of Python.
  */
 
+import { coatedColor, multipleAlbedo } from "../printed/formulas";
 import type { Coat, Material } from "./api";
 import { CHANNELS, rows } from "./channels";
 import { clampedLog, nodePairs } from "./f_table";
-import { coatedColor, multipleAlbedo } from "./formulas";
 import { type Loss, lossAt, mirrorLoss, surfaceLoss } from "./interface_loss";
 import { passedBothWays, reflectance } from "./lobe";
 import { gaussLegendre } from "./quadrature";

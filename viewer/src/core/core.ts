@@ -1,5 +1,6 @@
 /** The core: codes of stacks by basis, networks and energy limit, and the evaluation of materials. */
 
+import { APPEARANCE, QUADRATURE } from "../printed/formulas";
 import {
   type Bottom,
   type Coat,
@@ -14,7 +15,6 @@ import { compensated, lostByCoat, lostByMetal } from "./compensation";
 import { EnergyLimit, MOST_ALBEDO } from "./energy";
 import { tableValues } from "./f_table";
 import { Pairs, type Widths } from "./features";
-import { APPEARANCE, QUADRATURE } from "./formulas";
 import { layered, withinTraining } from "./layerer";
 import { hasEdges, lobeValue, passedBothWays } from "./lobe";
 import { mixtureDensity, proposalOf, sampleMixture } from "./mixture";

@@ -5,10 +5,10 @@
  * Python's `material.energy`. A code is an array of all its numbers.
  */
 
+import { ALBEDO_RULE, ENERGY, type Vector } from "../printed/formulas";
 import type { AtPairs, Basis } from "./basis";
 import { mirrored } from "./facets";
 import { Pairs } from "./features";
-import { ALBEDO_RULE, ENERGY, type Vector } from "./formulas";
 import { passedBothWays, reflectance, widthsOfLobe } from "./lobe";
 import { directionRule } from "./quadrature";
 

@@ -1,8 +1,8 @@
 /** Tables over directions: their cells, and materials by tables of ln f; see Python's `core.table`. */
 
+import { nodeDirections, STRETCHED, stretchedCoordinates, TABLE } from "../printed/formulas";
 import { CHANNELS } from "./channels";
 import { Pairs, type Widths } from "./features";
-import { nodeDirections, STRETCHED, stretchedCoordinates, TABLE } from "./formulas";
 
 /** A material's table, by which f is evaluated. */
 export interface FTable {

@@ -1,6 +1,6 @@
 /** Light that rough surfaces scatter once, by their visible facets. */
 
-import { type Vector, visibleNormal } from "./formulas";
+import { type Vector, visibleNormal } from "../printed/formulas";
 
 /**
  * Smith's term of a direction; 0 below the surface (Walter et al. 2007, equation 34).

@@ -1,6 +1,6 @@
 /** Pairs of directions, and the parameters of coats. */
 
-import { facetCosine } from "./formulas";
+import { facetCosine } from "../printed/formulas";
 
 /** GGX widths of a surface: one, or two along and across its tangent. */
 export type Widths = 1 | 2;

@@ -4,8 +4,8 @@
  * of Python.
  */
 
+import { ALBEDOS, CHECKS, fresnel, FACETS as MIRRORS } from "../printed/formulas";
 import { masking, mirrored } from "./facets";
-import { ALBEDOS, CHECKS, fresnel, FACETS as MIRRORS } from "./formulas";
 import { gaussLegendre } from "./quadrature";
 
 /** Nodes of means between two cosines. */

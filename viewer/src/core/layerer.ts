@@ -5,8 +5,16 @@
  * `material.layer`.
  */
 
+import {
+  CHECKS,
+  coatFeatures,
+  FEATURES,
+  LAYER,
+  LAYERER,
+  LOBE,
+  lobeFeatures,
+} from "../printed/formulas";
 import type { CoatOfChannel } from "./features";
-import { CHECKS, coatFeatures, FEATURES, LAYER, LAYERER, LOBE, lobeFeatures } from "./formulas";
 import { reflectance, widthsOfLobe } from "./lobe";
 import type { Network } from "./network";
 import type { Architecture } from "./weights";

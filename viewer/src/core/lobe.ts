@@ -1,7 +1,7 @@
 /** The analytic lobe of a code, whose numbers `LOBE.NUMBERS` names; see Python's `nets.lobe`. */
 
+import { fresnel, LOBE, lobeShape, schlick, transmittance, type Vector } from "../printed/formulas";
 import type { Pairs, Widths } from "./features";
-import { fresnel, LOBE, lobeShape, schlick, transmittance, type Vector } from "./formulas";
 
 /** The numbers of a surface without a lobe. */
 export function noLobe(widths: Widths): readonly number[] {

@@ -3,7 +3,6 @@
  * horizon, and a cosine lobe; see Python's `nets.proposal`.
  */
 
-import type { Widths } from "./features";
 import {
   LOBE,
   PROPOSAL,
@@ -11,7 +10,8 @@ import {
   reflectionPdf,
   type Vector,
   visibleNormal,
-} from "./formulas";
+} from "../printed/formulas";
+import type { Widths } from "./features";
 import { passed } from "./lobe";
 
 /** Weights (K + 1), the last the cosine lobe's, and GGX widths (K), also those across the tangent. */

@@ -1,6 +1,6 @@
 /** Multilayer perceptrons and their activation; see Python's `nets.mlp`. */
 
-import { MLP } from "./formulas";
+import { MLP } from "../printed/formulas";
 import { FileError, type TensorFile } from "./safetensors";
 
 export class Network {

@@ -1,6 +1,6 @@
 /** Quadrature: Gauss's rule, and one over the hemisphere that resolves any GGX-like lobe. */
 
-import type { Vector } from "./formulas";
+import type { Vector } from "../printed/formulas";
 
 /** Nodes and weights of Gauss and Legendre's rule on [-1, 1], by Newton's method. */
 export function gaussLegendre(count: number) {

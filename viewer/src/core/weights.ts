@@ -1,9 +1,9 @@
 /** Basis and networks from a weights file of `urushi train`, or from the page's own. */
 
+import { FEATURES, LOBE, PROPOSAL, TABLE } from "../printed/formulas";
 import type { BasisWeights } from "./basis";
 import { NODES } from "./f_table";
 import type { Widths } from "./features";
-import { FEATURES, LOBE, PROPOSAL, TABLE } from "./formulas";
 import type { ProposalWeights } from "./mixture";
 import { Network } from "./network";
 import { type Fields, FileError, TensorFile } from "./safetensors";

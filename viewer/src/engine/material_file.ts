@@ -3,10 +3,10 @@
 import type { Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
 import type { Networks } from "../core/core";
-import { TABLE } from "../core/formulas";
 import { type Tensor, type TensorFile, tensorFile } from "../core/safetensors";
 import type { CodesBottom } from "../material/material";
 import { wrapped } from "../material/parameters";
+import { TABLE } from "../printed/formulas";
 import { Refusal } from "../refusal";
 import { halfBytes, keepTable, logsOfBytes } from "./opened";
 

@@ -1,7 +1,7 @@
 /** The medium of a coat by what people see of it, or by its physics; see `core.appearance` of Python. */
 
 import type { Channels } from "../core/api";
-import { medium } from "../core/formulas";
+import { medium } from "../printed/formulas";
 import { each, joined, type Rgb, rgb } from "./channels";
 
 /** A medium by its appearance, at thickness 1. */

@@ -1,7 +1,7 @@
 /** The material on the page: cards of coats over a bottom, and the stack that they describe. */
 
 import type { Bottom, Channels, Coat, Stack } from "../core/api";
-import { CHECKS, fresnel } from "../core/formulas";
+import { CHECKS, fresnel } from "../printed/formulas";
 import { Refusal } from "../refusal";
 import { type Medium, physicsOf } from "./appearance";
 import { each, joined, mapped, quotient, type Rgb, rgb } from "./channels";

@@ -1,7 +1,7 @@
 /** Materials to begin with. All are described by physical parameters. */
 
+import { LIBRARY } from "../printed/library";
 import type { Rgb } from "./channels";
-import { LIBRARY } from "./library";
 import { CLEAR_COAT, type MaterialCards } from "./material";
 
 /** Complex indices of refraction of metals, as Mitsuba has them in its RGB variants. */

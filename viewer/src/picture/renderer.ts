@@ -1,6 +1,7 @@
 /** Draws the object with one or two materials, and gathers frames until the picture is smooth. */
 
 import type { Occlusion } from "../core/occlusion";
+import materialSource from "../printed/material.glsl?raw";
 import { type EnvironmentName, TONES } from "../state/state";
 import { type Camera, cameraOf, mirrored } from "./camera";
 import { EnvironmentMap, lightsOf, SIDE } from "./environment";
@@ -14,7 +15,6 @@ import basisSource from "./shaders/basis.glsl?raw";
 import blendSource from "./shaders/blend.frag?raw";
 import displaySource from "./shaders/display.frag?raw";
 import frameSource from "./shaders/frame.glsl?raw";
-import materialSource from "./shaders/material.glsl?raw";
 import objectFragment from "./shaders/object.frag?raw";
 import objectVertex from "./shaders/object.vert?raw";
 import paintSource from "./shaders/paint.frag?raw";

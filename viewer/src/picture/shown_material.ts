@@ -3,9 +3,9 @@
 import type { DirectionSizes, Material } from "../core/api";
 import { CHANNELS, rows } from "../core/channels";
 import { NODES } from "../core/f_table";
-import { LOBE } from "../core/formulas";
 import { sequencePoint } from "../core/sequence";
 import type { ShownTexture } from "../engine/opened";
+import { LOBE } from "../printed/formulas";
 import { directionTexels } from "./direction_table";
 import { filters, type Gl, type Uniforms } from "./gl";
 import { type TexelProgram, tableTexels, texelProgram, volume } from "./texel_program";

@@ -2,9 +2,9 @@
 
 import { CHANNELS } from "../core/channels";
 import { type FTable, NODES } from "../core/f_table";
-import { TABLE } from "../core/formulas";
 import type { ShownTexture } from "../engine/opened";
 import type { CodeTexture, Wrap } from "../material/texture";
+import { TABLE } from "../printed/formulas";
 import { Refusal } from "../refusal";
 import { filters, type Gl, included, Program } from "./gl";
 import frameSource from "./shaders/frame.glsl?raw";

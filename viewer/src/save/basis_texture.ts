@@ -1,7 +1,7 @@
 /** The texture of the basis that exported shader code reads, as files; see Python's `export.rest`. */
 
-import { TABLE } from "../core/formulas";
 import { halfBytes } from "../engine/opened";
+import { TABLE } from "../printed/formulas";
 import { exrFile } from "./exr";
 
 /** Formats: for graphics hardware, for NumPy, and for OSL. */

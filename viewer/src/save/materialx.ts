@@ -1,7 +1,6 @@
 /** A material as an `open_pbr_surface` of a MaterialX document, as far as OpenPBR can express it. */
 
 import type { Channels } from "../core/api";
-import { CHECKS, fresnel, schlick } from "../core/formulas";
 import { colourOver, hiddenBy, lookOf } from "../material/appearance";
 import { each, mapped, quotient, type Rgb, rgb } from "../material/channels";
 import {
@@ -16,6 +15,7 @@ import {
   seenOf,
   type Widths,
 } from "../material/material";
+import { CHECKS, fresnel, schlick } from "../printed/formulas";
 import { Refusal } from "../refusal";
 
 /** Cosine at which a metal has its tint, about 82 degrees. */

@@ -6,12 +6,12 @@ import { Basis } from "../../src/core/basis";
 import { rows } from "../../src/core/channels";
 import { loadCore, type NetworkCore } from "../../src/core/core";
 import { EnergyLimit } from "../../src/core/energy";
-import { ENERGY } from "../../src/core/formulas";
 import { mixtureDensity, proposalOf } from "../../src/core/mixture";
 import { directionRule } from "../../src/core/quadrature";
 import { readWeights } from "../../src/core/weights";
 import { type MaterialCards, stackOf, withCoat } from "../../src/material/material";
 import { preset } from "../../src/material/presets";
+import { ENERGY } from "../../src/printed/formulas";
 import { bytesOf, pairs, SHIPPED } from "./vectors";
 
 const STACK: Stack = {
