@@ -13,8 +13,6 @@ export interface Parameter {
   slide?: number;
   /** The slider's place is the value's root of this degree, from `low`. */
   power: number;
-  /** Steps of the slider; 500 if left out. */
-  steps?: number;
   /** Value after a double click. */
   fallback: Channels;
   /** Whether it is a colour, which a swatch shows. */
@@ -31,19 +29,22 @@ const width: Parameter = {
 };
 
 /** The width in words of people: no physical quantity. */
-export const GLOSS: Parameter = {
-  ...share("Gloss", "How sharply the surface reflects: 1 is a polished mirror, 0 is matt.", 0.7),
-  steps: 100,
-};
+export const GLOSS = share(
+  "Gloss",
+  "How sharply the surface reflects: 1 is a polished mirror, 0 is matt.",
+  0.7,
+);
 
-/** Gloss of a width, in steps of its slider: the width's place on its own, from the other end. */
+/** Gloss of a width, with three digits: the width's place on its slider, from the other end. */
 export function glossOf(alpha: number): number {
-  return Number((1 - placeOf(width, alpha)).toFixed(2));
+  return Number((1 - placeOf(width, alpha)).toFixed(3));
 }
 
-/** The width of a gloss. */
+/** The width of a gloss, with as few digits as give the gloss back. */
 export function alphaOf(gloss: number): number {
-  return valueAt(width, 1 - gloss);
+  const exact = width.low + (width.high - width.low) * (1 - gloss) ** width.power;
+  const digits = [3, 4, 5].find((count) => glossOf(Number(exact.toFixed(count))) === gloss);
+  return Number(exact.toFixed(digits ?? 6));
 }
 
 /** The widths along and across the tangent, where they are two. */
@@ -175,6 +176,9 @@ export function clamped({ low, high }: Parameter, value: number): number {
   return Math.min(Math.max(value, low), high);
 }
 
+/** Number of steps of every slider. */
+export const STEPS = 500;
+
 /** Place of a value on the slider, in [0, 1]. */
 export function placeOf({ low, high, slide = high, power }: Parameter, value: number): number {
   return Math.min(Math.max((value - low) / (slide - low), 0), 1) ** (1 / power);
@@ -188,7 +192,7 @@ export function valueAt(parameter: Parameter, place: number): number {
 
 /** The step of the slider that is nearest to a value. */
 export function stepOf(parameter: Parameter, value: number): number {
-  return Math.round(placeOf(parameter, value) * stepsOf(parameter));
+  return Math.round(placeOf(parameter, value) * STEPS);
 }
 
 /**
@@ -196,16 +200,10 @@ export function stepOf(parameter: Parameter, value: number): number {
  * where several steps have the same rounded value, the arrow keys would not get on.
  */
 export function valueBeyond(parameter: Parameter, step: number, present: number): number {
-  const steps = stepsOf(parameter);
   const way = Math.sign(step - stepOf(parameter, present));
   let at = step;
-  while (way !== 0 && at > 0 && at < steps && valueAt(parameter, at / steps) === present) at += way;
-  return valueAt(parameter, at / steps);
-}
-
-/** Number of steps of the slider. */
-export function stepsOf({ steps = 500 }: Parameter): number {
-  return steps;
+  while (way !== 0 && at > 0 && at < STEPS && valueAt(parameter, at / STEPS) === present) at += way;
+  return valueAt(parameter, at / STEPS);
 }
 
 /** A number with at most three digits after the point, and at least two that count. */

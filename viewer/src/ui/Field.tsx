@@ -8,8 +8,8 @@ import { fromHex, hex } from "../material/colour";
 import {
   type Parameter,
   rounded,
+  STEPS,
   stepOf,
-  stepsOf,
   valueAt,
   valueBeyond,
 } from "../material/parameters";
@@ -74,7 +74,7 @@ export function Field(props: FieldProps) {
           name={own}
           text={String(shown)}
           low={0}
-          high={stepsOf(parameter)}
+          high={STEPS}
           step={1}
           value={stepOf(parameter, shown)}
           onInput={(step) => set(channel, valueBeyond(parameter, step, shown))}

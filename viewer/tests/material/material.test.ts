@@ -20,8 +20,8 @@ import {
   glossOf,
   type Parameter,
   placeOf,
+  STEPS,
   stepOf,
-  stepsOf,
   valueAt,
   valueBeyond,
 } from "../../src/material/parameters";
@@ -149,7 +149,7 @@ test.each(Object.entries<Parameter>(PARAMETERS))(
       expect(placeOf(parameter, valueAt(parameter, place))).toBeCloseTo(place, 1);
     // An arrow key moves on from wherever the slider is.
     for (const [way, last] of [
-      [1, stepsOf(parameter)],
+      [1, STEPS],
       [-1, 0],
     ] as const) {
       let value = valueAt(parameter, way > 0 ? 0 : 1);
@@ -162,8 +162,8 @@ test.each(Object.entries<Parameter>(PARAMETERS))(
   },
 );
 
-test("every step of the gloss is a width of its own", () => {
-  for (let step = 0; step <= 100; step++) expect(glossOf(alphaOf(step / 100))).toBe(step / 100);
+test("every gloss of three digits, and thus every step of its slider, is a width of its own", () => {
+  for (let k = 0; k <= 1000; k++) expect(glossOf(alphaOf(k / 1000))).toBe(k / 1000);
 });
 
 describe("colours", () => {
