@@ -114,7 +114,7 @@ test-page: printed viewer/node_modules/.ready
 
 # What the page has of Python's formulas and constants, which is not under version control
 printed: $(READY)
-	.venv/bin/python viewer/formulas.py
+	.venv/bin/python -m viewer.formulas
 
 # Not `npm ci`: since npm 11 it refuses a lock file without the packages of other platforms.
 viewer/node_modules/.ready: viewer/package-lock.json

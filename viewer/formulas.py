@@ -1,6 +1,6 @@
 """Formulas and constants of the networks as TypeScript, for the page's core, and its materials.
 
-    python viewer/formulas.py
+    python -m viewer.formulas
 
 writes the files of `src/printed`, which are not under version control. The formulas are those of
 `urushi.core` and `urushi.nets`, by the expressions of which `urushi export` prints shaders; what
@@ -50,7 +50,7 @@ from urushi.nets import features, lobe, proposal, transmittance
 FOLDER = Path(__file__).parent / "src/printed"
 
 LIBRARY_HEAD = """\
-// Written by `python viewer/formulas.py` from the library of materials of Python. Do not edit it.
+// Written by `python -m viewer.formulas` from the library of materials of Python. Do not edit it.
 
 import type { BottomInAir, CoatInAir } from "../material/material";
 
@@ -65,7 +65,7 @@ interface Described {
 export const LIBRARY: readonly Described[] = ["""
 
 HEAD = """\
-// Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
+// Written by `python -m viewer.formulas` from the formulas of Python. Do not edit it.
 """
 
 #: The kind of functions that return nothing but fill an array.
@@ -359,32 +359,35 @@ def _of_surfaces(schlick: Function, exact: Function) -> list[Function]:
 
 #: Constants of the file, by their modules; `core.table` is the object TABLE.
 CONSTANTS: dict[str, str] = {
-    "checks": "AIR ETA_RANGE MIN_ALPHA MIN_INDEX_STEP TRAINED_G",
-    "core.albedos": "ROUGHNESSES COSINES TOTAL_CELLS COARSE FINE",
-    "core.appearance": "WI WO",
-    "core.facets": "MIRROR",
-    "core.quadrature": "POLAR_NODES EDGE_NODES AZIMUTH_NODES MIN_TANGENT",
-    "core.stretched": "FACTORS",
-    "core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
-    "material.albedo_rule": "COSINES AZIMUTHS NODES",
-    "material.energy": "MARGIN LEAST_ALBEDO LEAST_REST NO_FACTOR ROUNDS FACETS ROUGH_GAIN",
-    "material.layer": "DEEPEST",
-    "nets.basis": "EMPTY_GAIN",
-    "nets.features": "COAT_FEATURES",
-    "nets.layerer": "LEAST_GAIN",
-    "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES",
-    "nets.mlp": "POLYNOMIALS",
-    "nets.proposal": "ALPHAS TERMS LARGEST_STRETCH",
+    "gallery.caddy": "NATSUME",
+    "gallery.teapot": "BODY LID HANDLE SPOUT",
+    "urushi.checks": "AIR ETA_RANGE MIN_ALPHA MIN_INDEX_STEP TRAINED_G",
+    "urushi.core.albedos": "ROUGHNESSES COSINES TOTAL_CELLS COARSE FINE",
+    "urushi.core.appearance": "WI WO",
+    "urushi.core.facets": "MIRROR",
+    "urushi.core.quadrature": "POLAR_NODES EDGE_NODES AZIMUTH_NODES MIN_TANGENT",
+    "urushi.core.stretched": "FACTORS",
+    "urushi.core.table": "SHAPE MIN_LOG MAX_LOG MIN_COSINE",
+    "urushi.material.albedo_rule": "COSINES AZIMUTHS NODES",
+    "urushi.material.energy": "MARGIN LEAST_ALBEDO LEAST_REST NO_FACTOR ROUNDS FACETS ROUGH_GAIN",
+    "urushi.material.layer": "DEEPEST",
+    "urushi.nets.basis": "EMPTY_GAIN",
+    "urushi.nets.features": "COAT_FEATURES",
+    "urushi.nets.layerer": "LEAST_GAIN",
+    "urushi.nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES",
+    "urushi.nets.mlp": "POLYNOMIALS",
+    "urushi.nets.proposal": "ALPHAS TERMS LARGEST_STRETCH",
 }
 
 
 def constants(path: str, names: str) -> list[str]:
     """The object of a module's constants."""
-    module = importlib.import_module(f"urushi.{path}")
+    module = importlib.import_module(path)
     values = ", ".join(f"{label}: {_literal(getattr(module, label))}" for label in names.split())
     label = path.rpartition(".")[2].upper()
-    lines = broken(f"export const {label} = {{ {values} }} as const;", "", "  ")
-    return [f"/** Of `urushi.{path}` of Python. */", *lines, ""]
+    *lines, last = broken(f"export const {label} = {{ {values} }}", "", "  ")
+    # A line must not begin with `as`.
+    return [f"/** Of `{path}` of Python. */", *lines, f"{last} as const;", ""]
 
 
 def _literal(value: Any) -> str:

@@ -1,19 +1,8 @@
 /** Triangle meshes of the objects: shapes turned on a lathe, and tubes. The axis is z. */
 
+import { CADDY, TEAPOT } from "../printed/formulas";
 import type { OBJECTS } from "../state/state";
-import {
-  BODY,
-  BOWL,
-  GOBLET,
-  HANDLE,
-  LID,
-  NATSUME,
-  PLATE,
-  type Point,
-  SPOUT,
-  type Tube,
-  VASE,
-} from "./outlines";
+import { BOWL, GOBLET, PLATE, type Point, VASE } from "./outlines";
 import { cross, minus, unit, type Vector } from "./vectors";
 
 /** A mesh that fits into a ball. */
@@ -48,16 +37,16 @@ type Surface = (u: number, v: number) => readonly [number, number, number];
 const SHAPES: Record<(typeof OBJECTS)[number], () => Part[]> = {
   goblet: () => GOBLET.map((part) => turned(bezierOutline(part), 112, (part.length - 1) * 5)),
   ball: () => [turned(ballOutline, 96, 64)],
-  caddy: () => [turned(splineOutline(NATSUME), 96, 128)],
+  caddy: () => [turned(splineOutline(CADDY.NATSUME), 96, 128)],
   plate: () => [turned(splineOutline(PLATE), 128, 96)],
   bowl: () => [turned(splineOutline(BOWL), 128, 128)],
   sheet: () => [pillow(96)],
   vase: () => [turned(splineOutline(VASE), 96, 128)],
   teapot: () => [
-    turned(bezierOutline(BODY), 96, 72),
-    turned(bezierOutline(LID), 72, 48),
-    surface(tube(HANDLE), 32, 60),
-    surface(tube(SPOUT), 32, 48),
+    turned(bezierOutline(TEAPOT.BODY), 96, 72),
+    turned(bezierOutline(TEAPOT.LID), 72, 48),
+    surface(tube(TEAPOT.HANDLE), 32, 60),
+    surface(tube(TEAPOT.SPOUT), 32, 48),
   ],
 };
 
@@ -111,6 +100,12 @@ function weighted<T extends readonly number[]>(weights: number[], points: readon
   return points[0].map((_, axis) => sum(axis)) as readonly number[] as T;
 }
 
+/** Rows along a tube, of four control points across its half with y <= 0. */
+type Tube = readonly (readonly (readonly [number, number, number])[])[];
+
+/** Height of the bottom of the teapot's body, above which its tubes are given. */
+const BOTTOM = 0.15;
+
 /** A closed tube of bicubic patches that is its own mirror image in y. */
 function tube(control: Tube): Surface {
   return (u, v) => {
@@ -120,7 +115,7 @@ function tube(control: Tube): Surface {
       along,
       rows.map((row) => weighted(across, row)),
     );
-    return [x, u < 0.5 ? y : -y, z];
+    return [x, u < 0.5 ? y : -y, z + BOTTOM];
   };
 }
 

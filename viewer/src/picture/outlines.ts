@@ -1,29 +1,10 @@
-/** Control points of the objects, as in the scenes of the Python package. */
+/** Control points of the outlines of objects that only the page has. */
 
 export type Point = readonly [radius: number, height: number];
 
-/** Rows along a tube, of four control points across its half with y <= 0. */
-export type Tube = readonly (readonly (readonly [number, number, number])[])[];
-
 function points(numbers: readonly number[]): Point[] {
-  return grouped(numbers, 2) as unknown as Point[];
+  return Array.from({ length: numbers.length / 2 }, (_, k) => [numbers[2 * k], numbers[2 * k + 1]]);
 }
-
-function tube(numbers: readonly number[]): Tube {
-  return grouped(grouped(numbers, 3), 4) as unknown as Tube;
-}
-
-function grouped<T>(all: readonly T[], size: number): T[][] {
-  return Array.from({ length: all.length / size }, (_, k) => all.slice(size * k, size * (k + 1)));
-}
-
-/** A tea caddy; the groove is the rim of its lid. */
-export const NATSUME = points([
-  0, 0.035, 0.15, 0.035, 0.27, 0.032, 0.3, 0.01, 0.33, 0, 0.375, 0.03, 0.425, 0.12, 0.47, 0.26,
-  0.497, 0.42, 0.503, 0.56, 0.502, 0.64, 0.501, 0.672, 0.498, 0.684, 0.491, 0.69, 0.491, 0.692,
-  0.498, 0.698, 0.501, 0.71, 0.5, 0.76, 0.492, 0.85, 0.47, 0.93, 0.42, 0.99, 0.33, 1.028, 0.2, 1.05,
-  0.1, 1.056, 0, 1.058,
-]);
 
 /**
  * A dish on a foot, in cubic Bézier segments: a flat ledge with a sharp edge, a concave stem, a round
@@ -67,31 +48,4 @@ export const BOWL = points([
 export const PLATE = points([
   0, 0.03, 0.3, 0.03, 0.4, 0.02, 0.43, 0, 0.46, 0, 0.48, 0.03, 0.62, 0.07, 0.8, 0.12, 0.87, 0.145,
   0.885, 0.16, 0.87, 0.175, 0.8, 0.165, 0.66, 0.13, 0.58, 0.095, 0.5, 0.085, 0.3, 0.08, 0, 0.08,
-]);
-
-/** The body of Martin Newell's teapot (University of Utah, 1975), in the form with a bottom. */
-export const BODY = points([
-  0, 0, 1.425, 0, 1.5, 0.075, 1.5, 0.15, 1.5, 0.225, 2, 0.45, 2, 0.9, 2, 1.35, 1.75, 1.875, 1.5,
-  2.4, 1.4375, 2.53125, 1.3375, 2.53125, 1.4, 2.4,
-]);
-
-/** Its lid. */
-export const LID = points([1.3, 2.4, 1.3, 2.55, 0.4, 2.55, 0.2, 2.7, 0, 2.85, 0.8, 3.15, 0, 3.15]);
-
-/** Its handle. */
-export const HANDLE = tube([
-  -1.6, 0, 2.025, -1.6, -0.3, 2.025, -1.5, -0.3, 2.25, -1.5, 0, 2.25, -2.3, 0, 2.025, -2.3, -0.3,
-  2.025, -2.5, -0.3, 2.25, -2.5, 0, 2.25, -2.7, 0, 2.025, -2.7, -0.3, 2.025, -3, -0.3, 2.25, -3, 0,
-  2.25, -2.7, 0, 1.8, -2.7, -0.3, 1.8, -3, -0.3, 1.8, -3, 0, 1.8, -2.7, 0, 1.575, -2.7, -0.3, 1.575,
-  -3, -0.3, 1.35, -3, 0, 1.35, -2.5, 0, 1.275, -2.5, -0.3, 1.275, -2.65, -0.3, 1.0875, -2.65, 0,
-  1.0875, -2, 0, 1.05, -2, -0.3, 1.05, -1.9, -0.3, 0.75, -1.9, 0, 0.75,
-]);
-
-/** Its spout. */
-export const SPOUT = tube([
-  1.7, 0, 1.575, 1.7, -0.66, 1.575, 1.7, -0.66, 0.75, 1.7, 0, 0.75, 2.6, 0, 1.575, 2.6, -0.66,
-  1.575, 3.1, -0.66, 0.975, 3.1, 0, 0.975, 2.3, 0, 2.25, 2.3, -0.25, 2.25, 2.4, -0.25, 2.175, 2.4,
-  0, 2.175, 2.7, 0, 2.55, 2.7, -0.25, 2.55, 3.3, -0.25, 2.55, 3.3, 0, 2.55, 2.8, 0, 2.625, 2.8,
-  -0.25, 2.625, 3.525, -0.25, 2.64375, 3.525, 0, 2.64375, 2.9, 0, 2.625, 2.9, -0.15, 2.625, 3.45,
-  -0.15, 2.6625, 3.45, 0, 2.6625, 2.8, 0, 2.55, 2.8, -0.15, 2.55, 3.2, -0.15, 2.55, 3.2, 0, 2.55,
 ]);
