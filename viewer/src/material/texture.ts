@@ -2,7 +2,7 @@
 
 import { CHANNELS } from "../core/channels";
 import type { Networks } from "../core/core";
-import type { TensorFile } from "../core/safetensors";
+import type { Fields, TensorFile } from "../core/safetensors";
 import { Refusal } from "../refusal";
 import { nameOf } from "../save/zip";
 
@@ -18,7 +18,9 @@ export interface LinearNumber {
 }
 
 /** How texture coordinates go on beyond [0, 1]. */
-export type Wrap = "repeat" | "mirror" | "clamp";
+const WRAPS = ["repeat", "mirror", "clamp"] as const;
+
+export type Wrap = (typeof WRAPS)[number];
 
 /** A texture of codes. */
 export interface CodeTexture {
@@ -82,7 +84,9 @@ export function readTexture(
     throw new Refusal("It is a texture of another version of Urushi; save it again.");
   if (description.weights !== fingerprint)
     throw new Refusal("It was made with other networks; save the texture again.");
-  const { width, height, layout, place } = description as unknown as Description;
+  if (!isDescription(description, latentSize))
+    throw new Refusal("The description of the texture is damaged; save it again.");
+  const { width, height, layout, place } = description;
   const { channels, shared, stride, texel_bytes: texelBytes, high, low, same } = layout;
   if (channels !== 1 && channels !== CHANNELS)
     throw new Refusal("It has other channels than red, green and blue.");
@@ -108,6 +112,27 @@ export function readTexture(
     wrap: place.wrap,
     nearest: place.nearest,
   };
+}
+
+/** Whether all that is read of a description is there and within its range. */
+function isDescription(fields: Fields, latentSize: number): fields is Fields & Description {
+  const { width, height, layout, place } = fields;
+  const { channels, shared, stride, texel_bytes, high, low, same } = Object(layout);
+  const { to_texture, wrap } = Object(place);
+  const isList = (value: unknown, size: number, isItem: (item: unknown, at: number) => boolean) =>
+    Array.isArray(value) && value.length === size && value.every(isItem);
+  const isCount = (value: unknown, least = 0) => Number.isInteger(value) && Number(value) >= least;
+  const isByte = (byte: unknown, number: number) =>
+    isCount(byte, -1) && Number(byte) < (same[number] ? shared : stride);
+  return (
+    [width, height].every((size) => isCount(size, 1)) &&
+    [shared, stride].every((size) => isCount(size)) &&
+    shared + channels * stride <= texel_bytes &&
+    isList(same, latentSize, (value) => typeof value === "boolean") &&
+    [high, low].every((bytes) => isList(bytes, latentSize, isByte)) &&
+    isList(to_texture, 2, (row) => isList(row, 3, Number.isFinite)) &&
+    WRAPS.includes(wrap)
+  );
 }
 
 /** The mean codes (3, L) of a texture, for what has no place on the surface. */

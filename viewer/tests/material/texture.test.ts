@@ -104,6 +104,14 @@ test.each([
   ["other networks", file({ weights: "00c0ffee" })],
   ["a texel too few", file({ width: 3 })],
   ["two channels", file({ layout: { ...LAYOUT, channels: 2 } })],
+  ["no layout", file({ layout: null })],
+  ["no size", file({ width: -2, height: -1 })],
+  ["a number too few", file({ layout: { ...LAYOUT, same: [false, true] } })],
+  ["bytes beyond the texel", file({ layout: { ...LAYOUT, high: [0, 1, -1] } })],
+  ["more bytes than a texel has", file({ layout: { ...LAYOUT, texel_bytes: 4 } })],
+  ["no place", file({ place: {} })],
+  ["half a place", file({ place: { ...DESCRIPTION.place, to_texture: [[1, 0, 0]] } })],
+  ["an unknown wrap", file({ place: { ...DESCRIPTION.place, wrap: "none" } })],
   ["a part of a file", WHOLE.slice(0, WHOLE.length - 1)],
 ] as [string, Uint8Array<ArrayBuffer>][])("%s: refused", (_name, bytes) => {
   expect(() => read(bytes)).toThrow(Refusal);
