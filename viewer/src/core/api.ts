@@ -7,8 +7,7 @@
  */
 
 import type { Vector } from "../printed/formulas";
-import type { FTable } from "./f_table";
-import type { Widths } from "./features";
+import type { FTable, Widths } from "./f_table";
 
 /** One number for all channels, or one for each of red, green and blue. */
 export type Channels = number | readonly [number, number, number];

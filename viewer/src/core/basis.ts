@@ -11,8 +11,15 @@
  */
 
 import { BASIS, TABLE } from "../printed/formulas";
-import { Cell, clampedLog, type FTable, NODES, tableValues } from "./f_table";
-import type { Pairs, Widths } from "./features";
+import {
+  Cell,
+  clampedLog,
+  type FTable,
+  NODES,
+  type Pairs,
+  tableValues,
+  type Widths,
+} from "./f_table";
 import { leastSquares } from "./least_squares";
 
 /** The parameters of a basis of K functions. */

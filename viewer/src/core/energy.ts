@@ -7,8 +7,8 @@
 
 import { ALBEDO_RULE, ENERGY, type Vector } from "../printed/formulas";
 import type { AtPairs, Basis } from "./basis";
+import { Pairs } from "./f_table";
 import { mirrored } from "./facets";
-import { Pairs } from "./features";
 import { passedBothWays, reflectance, widthsOfLobe } from "./lobe";
 import { directionRule } from "./quadrature";
 

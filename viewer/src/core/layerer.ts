@@ -14,9 +14,9 @@ import {
   LOBE,
   lobeFeatures,
 } from "../printed/formulas";
-import type { CoatOfChannel } from "./features";
 import { reflectance, widthsOfLobe } from "./lobe";
 import type { Network } from "./network";
+import type { CoatOfChannel } from "./surfaces";
 import type { Architecture } from "./weights";
 
 /** The code of a bottom under a coat. */

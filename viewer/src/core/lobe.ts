@@ -1,7 +1,7 @@
 /** The analytic lobe of a code, whose numbers `LOBE.NUMBERS` names; see Python's `nets.lobe`. */
 
 import { fresnel, LOBE, lobeShape, schlick, transmittance, type Vector } from "../printed/formulas";
-import type { Pairs, Widths } from "./features";
+import type { Pairs, Widths } from "./f_table";
 
 /** The numbers of a surface without a lobe. */
 export function noLobe(widths: Widths): readonly number[] {
@@ -46,8 +46,6 @@ export function passedBothWays(
   i: number,
 ): number {
   if (!hasEdges(code)) return 1;
-  const [first, second] = [6 * i, 6 * i + 3].map((k) =>
-    passed(code, widths, { x: w[k], y: w[k + 1], z: w[k + 2] }),
-  );
-  return first * second;
+  const one = (k: number) => passed(code, widths, { x: w[k], y: w[k + 1], z: w[k + 2] });
+  return one(6 * i) * one(6 * i + 3);
 }

@@ -11,7 +11,7 @@ import {
   type Vector,
   visibleNormal,
 } from "../printed/formulas";
-import type { Widths } from "./features";
+import type { Widths } from "./f_table";
 import { passed } from "./lobe";
 
 /** Weights (K + 1), the last the cosine lobe's, and GGX widths (K), also those across the tangent. */

@@ -1,7 +1,7 @@
 /** Described surfaces and coats, split into channels. */
 
 import type { Bottom, Channels, Coat } from "./api";
-import type { CoatOfChannel, Widths } from "./features";
+import type { Widths } from "./f_table";
 import { noLobe } from "./lobe";
 
 /** The single precision value of a parameter for one channel, as Python computes with. */
@@ -9,6 +9,17 @@ export function ofChannel(value: Channels, channel: number): number {
   const chosen = typeof value === "number" ? value : value[channel];
   // + 0: a walk that divides by -0 gets a negative distance
   return Math.fround(chosen ?? Number.NaN) + 0;
+}
+
+/** The parameters of one coat for one channel. */
+export interface CoatOfChannel {
+  /** GGX widths along and across the tangent; networks of one width read the first. */
+  alpha: number;
+  alphaV: number;
+  eta: number;
+  albedo: number;
+  sigmaT: number;
+  g: number;
 }
 
 /** The parameters of a coat for one channel. */

@@ -2,8 +2,7 @@
 
 import { FEATURES, LOBE, PROPOSAL, TABLE } from "../printed/formulas";
 import type { BasisWeights } from "./basis";
-import { NODES } from "./f_table";
-import type { Widths } from "./features";
+import { NODES, type Widths } from "./f_table";
 import type { ProposalWeights } from "./mixture";
 import { Network } from "./network";
 import { type Fields, FileError, TensorFile } from "./safetensors";

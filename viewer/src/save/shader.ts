@@ -2,7 +2,7 @@
 
 import type { Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
-import type { Widths } from "../core/features";
+import type { Widths } from "../core/f_table";
 import { readFile } from "../engine/files";
 import { COLOURS } from "../material/channels";
 import type { CodeTexture, LinearNumber } from "../material/texture";
