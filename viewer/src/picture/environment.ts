@@ -1,7 +1,7 @@
 /** Environments as cube maps with filtered levels, and the bright lights taken out of them. */
 
 import type { EnvironmentName } from "../state/state";
-import { cover, filters, type Gl, Program, Target } from "./gl";
+import { filters, type Gl, Program, Target } from "./gl";
 import type { Light, Picture } from "./panorama";
 import halveSource from "./shaders/halve.frag?raw";
 import irradianceSource from "./shaders/irradiance.frag?raw";
@@ -78,8 +78,7 @@ export class EnvironmentMap {
     const { gl } = this;
     const target = new Target(gl, 4 * SIDE, 2 * SIDE, [gl.RGBA32F]);
     target.bind();
-    this.places.use({ which: formulaOf(name), isPanorama: true });
-    cover(gl);
+    this.places.cover({ which: formulaOf(name), isPanorama: true });
     const pixels = target.read();
     target.delete();
     return { width: target.width, height: target.height, pixels };
@@ -122,8 +121,7 @@ export class EnvironmentMap {
     FACES.forEach((face, place) => {
       const target = gl.TEXTURE_CUBE_MAP_POSITIVE_X + place;
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, texture, level);
-      program.set({ face });
-      cover(gl);
+      program.cover({ face });
     });
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   }

@@ -35,7 +35,7 @@ type Uniform = number | boolean | ArrayLike<number> | WebGLTexture;
 /** Uniforms by their names in the shaders; a program ignores those that it does not read. */
 export type Uniforms = Readonly<Record<string, Uniform>>;
 
-/** A linked program; one without a vertex shader of its own runs over the whole viewport, see `cover`. */
+/** A linked program; one without a vertex shader of its own runs over the whole viewport. */
 export class Program {
   private readonly program: WebGLProgram;
   private readonly setters = new Map<string, (value: Uniform) => void>();
@@ -79,12 +79,13 @@ export class Program {
   /** Draw by it from here on. */
   use(uniforms: Uniforms = {}): void {
     this.gl.useProgram(this.program);
-    this.set(uniforms);
+    for (const [name, value] of Object.entries(uniforms)) this.setters.get(name)?.(value);
   }
 
-  /** Set uniforms while it is used. */
-  set(uniforms: Uniforms): void {
-    for (const [name, value] of Object.entries(uniforms)) this.setters.get(name)?.(value);
+  /** Draw over the whole viewport. */
+  cover(uniforms: Uniforms = {}): void {
+    this.use(uniforms);
+    this.gl.drawArrays(this.gl.TRIANGLES, 0, 3);
   }
 
   /** Each sampler has a texture unit of its own. */
@@ -126,11 +127,6 @@ export class Program {
 /** A source with texts in the place of its lines `#include NAME`. */
 export function included(source: string, texts: Record<string, string>): string {
   return source.replace(/^#include (\S+)$/gm, (_line, name: string) => texts[name]);
-}
-
-/** Draw over the whole viewport. */
-export function cover(gl: Gl): void {
-  gl.drawArrays(gl.TRIANGLES, 0, 3);
 }
 
 /** Filters of the texture that is bound to `target`. */

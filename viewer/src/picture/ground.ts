@@ -2,7 +2,7 @@
 
 import { axesOf, GROUND_SIDE, MOST_AXES } from "../core/occlusion";
 import type { EnvironmentMap } from "./environment";
-import { cover, filters, type Gl, Program, Target, type Uniforms } from "./gl";
+import { filters, type Gl, Program, Target, type Uniforms } from "./gl";
 import { type Light, uniformsOf } from "./panorama";
 import groundSource from "./shaders/ground.frag?raw";
 import hemisphereSource from "./shaders/hemisphere.frag?raw";
@@ -74,8 +74,7 @@ export class Ground {
     const { axes, shadows } = this;
     const draw = (target: Target, program: Program, uniforms: Uniforms) => {
       target.bind();
-      program.use(uniforms);
-      cover(this.gl);
+      program.cover(uniforms);
       return target.textures[0];
     };
     const light = { environment: map.texture, axes, turn, ...uniformsOf(lights) };

@@ -5,7 +5,7 @@ import materialSource from "../printed/material.glsl?raw";
 import { type EnvironmentName, TONES } from "../state/state";
 import { type Camera, cameraOf, mirrored } from "./camera";
 import { EnvironmentMap, lightsOf, SIDE } from "./environment";
-import { contextOf, cover, type Gl, included, Program, type Target } from "./gl";
+import { contextOf, type Gl, included, Program, type Target } from "./gl";
 import { Ground } from "./ground";
 import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
 import { type Light, type LitPanorama, type Picture, uniformsOf } from "./panorama";
@@ -214,12 +214,11 @@ export class Renderer {
     const { gl, targets } = this;
     targets.resolve();
     targets.mean.bind();
-    this.blend.use({ frame: targets.frame.textures[0] });
     // The later frames, whose levels are finer, weigh more.
     gl.blendColor(0, 0, 0, 2 / (count + 2));
     if (count > 0) gl.enable(gl.BLEND);
     gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
-    cover(gl);
+    this.blend.cover({ frame: targets.frame.textures[0] });
     gl.disable(gl.BLEND);
     this.show(shot);
   }
@@ -241,14 +240,13 @@ export class Renderer {
   private drawDisplay({ exposure, tone, background }: Shot, scale: number): void {
     const isPlain = background.startsWith("#");
     const bytes = [1, 3, 5].map((at) => Number.parseInt(background.slice(at, at + 2), 16));
-    this.display.use({
+    this.display.cover({
       picture: this.targets.mean.textures[0],
       exposure: 2 ** exposure,
       tone: TONES.indexOf(tone),
       behind: isPlain ? [...bytes.map((x) => x / 255), 1] : [0, 0, 0, 0],
       scale,
     });
-    cover(this.gl);
   }
 
   /** The mean colour difference (CIELAB) of pixels that differ, and the largest. */
@@ -312,7 +310,9 @@ export class Renderer {
   /** @param toMirror from pixels to the mirror image in the ground; null: there is none. */
   private drawBackdrop(camera: Camera, shot: Shot, toMirror: number[] | null): void {
     const { gl, backdrop, mesh, map, isPanorama } = this;
-    backdrop.use({
+    // The object hides a part of it, which thus costs nothing.
+    gl.enable(gl.DEPTH_TEST);
+    backdrop.cover({
       ...camera,
       turn: turnOf(shot),
       isPlain: shot.background !== "environment",
@@ -324,9 +324,6 @@ export class Renderer {
       ground: this.ground.texture,
       mirror: this.targets.mirror.textures[0],
     });
-    // The object hides a part of it, which thus costs nothing.
-    gl.enable(gl.DEPTH_TEST);
-    cover(gl);
     gl.disable(gl.DEPTH_TEST);
   }
 
@@ -368,7 +365,7 @@ export class Renderer {
   ): void {
     const { map } = this;
     const program = material.texels?.program ?? this.programOf(material);
-    program.use({
+    program.cover({
       ...material.uniforms(count, share),
       ...this.targets.uniforms,
       ...uniformsOf(this.lights),
@@ -379,7 +376,6 @@ export class Renderer {
       environment: map.texture,
       irradiance: map.irradiance,
     });
-    cover(this.gl);
   }
 
   /** The program that draws a table. */

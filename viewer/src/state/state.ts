@@ -38,6 +38,9 @@ const VIEW = {
   },
 };
 
+/** A view of a JSON value, within its ranges. */
+export const readView = record(VIEW);
+
 /** What a state has beside its materials, with its ranges and first values. */
 const FIELDS = {
   /** The material that the cards show. */
@@ -57,7 +60,7 @@ const FIELDS = {
   rotation: within(-180, 180, 0),
   /** Exposure [powers of two]. */
   exposure: within(-6, 6, 0),
-  view: record(VIEW),
+  view: readView,
   /** The tone curve. */
   tone: oneOf(TONES, "neutral"),
   /** What lies behind the object: "environment", "transparent", or a colour "#rrggbb" (sRGB). */

@@ -5,6 +5,7 @@ import { ALBEDO_ANGLES, PLANE_ANGLES, type Slot } from "../engine/engine";
 import { session } from "../engine/session";
 import { COLOURS } from "../material/channels";
 import { look, state } from "../state/store";
+import { valueByKey } from "./Slider";
 
 export function Plots() {
   const slot = session.value?.slots[state.value.active];
@@ -143,18 +144,9 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
           aria-valuenow={incidence}
           aria-valuetext={`${incidence} degrees`}
           onKeyDown={(event) => {
-            const step = {
-              ArrowLeft: 1,
-              ArrowUp: -1,
-              ArrowRight: -1,
-              ArrowDown: 1,
-              Home: -89,
-              End: 89,
-            }[event.key];
-            if (step === undefined) return;
-            event.preventDefault();
-            const next = incidence + step * (event.shiftKey ? 10 : 1);
-            look({ incidence: Math.min(Math.max(next, 0), 89) });
+            // The direction of the light lies on the left.
+            const next = valueByKey(event, incidence, event.shiftKey ? -10 : -1, 0, 89);
+            if (next !== undefined) look({ incidence: next });
           }}
         />
         <text class="value" x={x < -60 ? x + 4 : x - 12} y={y - 11} text-anchor="middle">

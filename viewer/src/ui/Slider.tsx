@@ -18,6 +18,24 @@ interface SliderProps {
   onReset: () => void;
 }
 
+/**
+ * The value of a slider after a key: the arrows move it by a step, Home and End to the ends of its
+ * range; undefined: the key is another one.
+ */
+export function valueByKey(
+  event: KeyboardEvent,
+  value: number,
+  step: number,
+  low: number,
+  high: number,
+): number | undefined {
+  const way = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
+  const end = { Home: low, End: high }[event.key];
+  if (way === undefined && end === undefined) return undefined;
+  event.preventDefault();
+  return end ?? Math.min(Math.max(value + way! * step, low), high);
+}
+
 /** Pixels along the slider that tell a move from a swipe. */
 const MOVE = 6;
 

@@ -4,10 +4,11 @@ import { useEffect, useRef } from "preact/hooks";
 import { loading, noPicture, occluding, session } from "../engine/session";
 import { wrapped } from "../material/parameters";
 import { titleOf } from "../material/presets";
-import { DIFFERENCE_SCALES, INITIAL, type View } from "../state/state";
+import { DIFFERENCE_SCALES, INITIAL, readView, type View } from "../state/state";
 import { change, look, notice, state, task } from "../state/store";
 import { Button } from "./Button";
 import { Choice } from "./Choice";
+import { valueByKey } from "./Slider";
 
 /** The id of the picture's place. */
 export const STAGE = "stage";
@@ -162,25 +163,14 @@ export function wantsStillness(): boolean {
 
 /** Move the camera. */
 function turn(change: Partial<View>): void {
-  const view = { ...state.value.view, ...change };
-  look({
-    view: {
-      azimuth: turned(view.azimuth),
-      elevation: Math.min(Math.max(view.elevation, -5), 80),
-      zoom: Math.min(Math.max(view.zoom, 0.5), 4),
-      fov: view.fov,
-      pan: [panned(view.pan[0]), panned(view.pan[1])],
-    },
-  });
+  const { azimuth, pan, ...others } = { ...state.value.view, ...change };
+  const shifts = pan.map((shift) => Number(shift.toFixed(3)));
+  look({ view: readView({ ...others, azimuth: turned(azimuth), pan: shifts }) });
 }
 
 /** Turn the environment, which is a step of its own. */
 function light(degrees: number): void {
   change({ rotation: turned(state.value.rotation + degrees) }, "rotation");
-}
-
-function panned(shift: number): number {
-  return Number(Math.min(Math.max(shift, -2), 2).toFixed(3));
 }
 
 function turned(degrees: number): number {
@@ -238,10 +228,12 @@ function Legend() {
   );
 }
 
+/** Least share of the picture on either side of the edge. */
+const LEAST_EDGE = 0.02;
+
 /** The edge between the materials, which can be moved. */
 function Edge() {
   const { edge } = state.value;
-  const set = (value: number) => look({ edge: Math.min(Math.max(value, 0.02), 0.98) });
   return (
     <div
       class="edge"
@@ -257,20 +249,12 @@ function Edge() {
       onPointerMove={(event) => {
         if (!event.currentTarget.hasPointerCapture(event.pointerId)) return;
         const box = event.currentTarget.parentElement!.getBoundingClientRect();
-        set((event.clientX - box.left) / box.width);
+        const place = (event.clientX - box.left) / box.width;
+        look({ edge: Math.min(Math.max(place, LEAST_EDGE), 1 - LEAST_EDGE) });
       }}
       onKeyDown={(event) => {
-        const step = {
-          ArrowLeft: -0.02,
-          ArrowDown: -0.02,
-          ArrowRight: 0.02,
-          ArrowUp: 0.02,
-          Home: -1,
-          End: 1,
-        }[event.key];
-        if (step === undefined) return;
-        event.preventDefault();
-        set(edge + step);
+        const next = valueByKey(event, edge, 0.02, LEAST_EDGE, 1 - LEAST_EDGE);
+        if (next !== undefined) look({ edge: next });
       }}
     />
   );

@@ -1,6 +1,7 @@
 /** The stage: pan, field of view, turntable, full screen, folded plots, and names. */
 
-import { expect, open, saved, stateOf, test } from "./page";
+import { INITIAL } from "../../src/state/state";
+import { addressOf, expect, open, saved, stateOf, test } from "./page";
 
 const view = async (page: import("@playwright/test").Page) => (await stateOf(page)).view;
 
@@ -42,6 +43,12 @@ test("the camera is moved by pointer, keyboard and menu; its turntable heeds a w
   const last = await azimuth();
   await page.locator(".stage canvas").press("ArrowRight"); // turns it by 5 degrees, and nothing else does
   await expect.poll(azimuth).toBeCloseTo(last + 5, 3);
+});
+
+test("a zoom keeps a camera that stands as high as a state permits", async ({ page }) => {
+  await open(page, addressOf({ ...INITIAL, view: { ...INITIAL.view, elevation: 85 } }));
+  await page.locator(".stage canvas").press("+");
+  await expect.poll(async () => await view(page)).toMatchObject({ zoom: 1.1, elevation: 85 });
 });
 
 test("the picture fills the screen, plots fold away, and a material has another name", async ({
