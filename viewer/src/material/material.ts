@@ -79,13 +79,13 @@ export const CLEAR_COAT: CoatInAir = {
   g: 0,
 };
 
-/** Whether a coat has a surface: its index differs from that of the medium above, as it is shown. */
-export function hasSurface(material: MaterialCards, { id, ...coat }: CoatCard): boolean {
-  const { coats } = material;
-  const place = coats.findIndex((other) => other.id === id);
-  const over = coats.slice(0, place).filter((other) => isSeen(material, other));
-  const above = over.at(-1)?.ior ?? CHECKS.AIR;
-  return rgb(interfaceRatio(coat.ior, above)).some((ratio) => ratio !== 1);
+/** Whether a coat has a surface, below the coats that are shown: its index there is another. */
+export function hasSurface(material: MaterialCards, { id }: CoatCard): boolean {
+  const place = material.coats.findIndex((coat) => coat.id === id);
+  const above = material.coats.slice(0, place).filter((coat) => isSeen(material, coat));
+  const coats = [...above, material.coats[place]].map((coat) => ({ ...coat, on: true }));
+  const { coats: shown } = stackOf({ ...material, coats, solo: null });
+  return rgb(shown.at(-1)!.eta).some((ratio) => ratio !== 1);
 }
 
 /** About the reflectance of a bottom at normal incidence, with three digits. */

@@ -3,8 +3,10 @@ import { decoded, encoded, fromHex, hex } from "../../src/material/colour";
 import {
   BARE,
   type BottomInAir,
+  hasSurface,
   hasTangent,
   isAnisotropic,
+  isSeen,
   type MaterialCards,
   moved,
   stackOf,
@@ -25,6 +27,7 @@ import {
   valueAt,
   valueBeyond,
 } from "../../src/material/parameters";
+import { Draws } from "./random";
 
 const COAT = { alpha: 0.1, ior: 1.5, albedo: 0, sigmaT: 0, g: 0 };
 const THREE: MaterialCards = {
@@ -131,6 +134,25 @@ test("cards have numbers of their own, and at most six are added", () => {
   for (let count = 0; count < 9; count++) material = withCoat(material);
   expect(material.coats).toHaveLength(6);
   expect(new Set(material.coats.map((coat) => coat.id)).size).toBe(6);
+});
+
+test("a coat has a surface where the stack that is shown has one", () => {
+  // Below an index of 3, that of 0.51 is shown as 1.5.
+  const iors = [3, 0.51, 1.5];
+  const limited = {
+    ...THREE,
+    coats: iors.map((ior, at) => ({ ...COAT, ior, id: at + 1, on: true })),
+  };
+  const draws = new Draws(3);
+  for (const material of [THREE, limited, ...Array.from({ length: 200 }, () => draws.material())]) {
+    const seen = material.coats.filter((coat) => isSeen(material, coat));
+    const found = seen.map((coat) => hasSurface(material, coat));
+    const etas = stackOf(material).coats.map(({ eta }) =>
+      [eta].flat().some((ratio) => ratio !== 1),
+    );
+    expect(found).toEqual(etas);
+  }
+  expect(hasSurface(limited, limited.coats[2]!)).toBe(false);
 });
 
 test("removing the solo coat shows the others", () => {
