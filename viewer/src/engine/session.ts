@@ -133,7 +133,7 @@ export class Session {
 
   /** The picture so far as linear radiance, before exposure and tone curve. */
   async radiance(): Promise<Picture> {
-    return (await this.whole()).radiance();
+    return (await this.whole()).targets.read();
   }
 
   /** The renderer, once it has a whole picture at rest, whose light the object partly hides. */
@@ -177,7 +177,7 @@ export class Session {
       const suffix = /\.exr$/i.test(own.file.name) ? "exr" : "hdr";
       return { ...shown, environment: { suffix, bytes }, lights: [] };
     }
-    const bytes = exrFile(renderer.panoramaOf(name));
+    const bytes = exrFile(renderer.map.panoramaOf(name));
     return { ...shown, environment: { suffix: "exr", bytes }, lights: lightsOf(name) };
   }
 

@@ -8,7 +8,7 @@ import { EnvironmentMap, lightsOf, SIDE } from "./environment";
 import { contextOf, type Gl, included, Program, type Target } from "./gl";
 import { Ground } from "./ground";
 import { groundSize, type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
-import { type Light, type LitPanorama, type Picture, uniformsOf } from "./panorama";
+import { type Light, type LitPanorama, uniformsOf } from "./panorama";
 import anisotropicSource from "./shaders/anisotropic.glsl?raw";
 import backdropSource from "./shaders/backdrop.frag?raw";
 import basisSource from "./shaders/basis.glsl?raw";
@@ -42,8 +42,8 @@ export class Renderer {
   private readonly backdrop: Program;
   private readonly blend: Program;
   private readonly display: Program;
-  private readonly map: EnvironmentMap;
-  private readonly targets: Targets;
+  readonly map: EnvironmentMap;
+  readonly targets: Targets;
   private readonly ground: Ground;
   private readonly array: WebGLVertexArrayObject;
   private readonly slots: (ShownMaterial | undefined)[] = [];
@@ -266,16 +266,6 @@ export class Renderer {
         largest = Math.max(largest, values[at]);
       }
     return { mean: sum / Math.max(count, 1), largest };
-  }
-
-  /** The picture so far as linear radiance, before exposure and tone curve. */
-  radiance(): Picture {
-    return this.targets.read();
-  }
-
-  /** An environment by formula as a panorama, without its bright lights. */
-  panoramaOf(name: EnvironmentName): Picture {
-    return this.map.panoramaOf(name);
   }
 
   /** A promise of the time that the commands so far have taken [ms]. */

@@ -66,7 +66,7 @@ export class Targets {
     gl.blitFramebuffer(...box, ...box, gl.COLOR_BUFFER_BIT, gl.NEAREST);
   }
 
-  /** The mean of the frames, the first row at the top. */
+  /** The mean of the frames as linear radiance, before exposure and tone curve. */
   read(): Picture {
     const { width, height } = this.mean;
     const upward = this.mean.read();
