@@ -6,7 +6,8 @@ unexport PYTHONDONTWRITEBYTECODE
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 .PHONY: demo test first-tier test-all test-research lint check-wheel docs docs-packages cookbook tutorial \
-    notebook thumbnails measured-pictures figures set-up format clean viewer printed test-web test-page
+    notebook thumbnails measured-pictures figures set-up format clean viewer viewer-packages printed \
+    test-web test-page
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -100,6 +101,11 @@ figures: $(READY)
 viewer: printed viewer/node_modules/.ready
 	cd viewer && npm run build
 
+# Of the goals of one command, what reads the built page waits for it, and what installs packages
+# waits for the static checks, which read them.
+test-page: | $(filter viewer,$(MAKECMDGOALS))
+docs-packages docs check-wheel: | $(filter viewer lint,$(MAKECMDGOALS))
+
 # Builds the page, then checks and tests it; in Chromium also the long cases.
 test-web: viewer
 	$(MAKE) test-page
@@ -115,6 +121,8 @@ test-page: printed viewer/node_modules/.ready
 # What the page has of Python's formulas and constants, which is not under version control
 printed: $(READY)
 	.venv/bin/python -m viewer.formulas
+
+viewer-packages: viewer/node_modules/.ready
 
 # Not `npm ci`: since npm 11 it refuses a lock file without the packages of other platforms.
 viewer/node_modules/.ready: viewer/package-lock.json
