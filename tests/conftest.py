@@ -68,7 +68,11 @@ CASES = tomllib.loads((ROOT / "tests" / "tiers.toml").read_text())
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark the tests of whole folders, and those that `tiers.toml` names."""
+    """Mark the tests of whole folders, and those that `tiers.toml` names.
+
+    The files of commands come last. They are short: at the end, one worker waits for the other.
+    """
+    items.sort(key=lambda item: item.path.relative_to(ROOT / "tests").parts[0] == "app")
     found = set()
     for item in items:
         path = item.path.relative_to(ROOT / "tests")

@@ -66,7 +66,8 @@ def test_bad_values_are_refused_before_any_work(name, field, bounds, tmp_path, m
 @pytest.mark.parametrize("option", ["--seed", "--sensor"])
 def test_whole_numbers_that_no_float_can_hold(option, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    assert cli.main(["render", "caddy", option, "9" * 400]) == cli.FAILURE
+    (tmp_path / "a.xml").write_text('<scene version="3.0.0"><sensor type="perspective"/></scene>')
+    assert cli.main(["render", "a.xml", option, "9" * 400]) == cli.FAILURE
     assert capsys.readouterr().err.startswith(f"urushi: {option} is 999")
 
 

@@ -71,13 +71,6 @@ def test_bare_surfaces_are_exact():
     assert material.model.networks.table(material.latents) is None
 
 
-def test_mirroring_and_half_turns_to_the_bit(lacquered):
-    for material in lacquered:
-        f = material.f(*PAIRS)
-        for sign in np.float32([[1, -1, 1], [-1, 1, 1], [-1, -1, 1]]):
-            np.testing.assert_array_equal(f, material.f(*(w * sign for w in PAIRS)))
-
-
 @pytest.mark.parametrize("axis", [0, 1])
 def test_f_is_continuous_where_a_half_vector_crosses_an_axis(lacquered, axis):
     """Near the horizon, 2e-5 of a direction changes its cosine by a few per cent; near the normal,

@@ -45,7 +45,7 @@ STACKS: dict[str, tuple[Stack, float]] = {
     "total reflection, rough": (coat(GREY, 0.15, 0.95, 0.5, 0.2), 0.02),
     # Media outside the range of the networks' training.
     "deep": (coat(GREY, 0.1, 1.5, 0.98, 50.0), 0.01),
-    "deep and white": (coat(GREY, 0.1, 1.5, 1.0, 20.0, 0.7), 0.01),
+    "deep and white": (coat(GREY, 0.1, 1.5, 1.0, 13.0, 0.7), 0.01),
     "deep on polished": (coat(conductor(0.02, 0.9), 0.1, 1.5, 1.0, 20.0), 0.01),
     "scattering forwards": (coat(GREY, 0.1, 1.5, 1.0, 8.0, 0.93), 0.01),
     # A table has few nodes across a backward peak.

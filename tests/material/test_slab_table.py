@@ -131,7 +131,7 @@ def drawn(count: int) -> list[Layers]:
 def errors(layers: Layers, walks: int) -> tuple[np.ndarray, np.ndarray]:
     """E of what a slab reflects on either side and transmits (3, C), and the walks' own noise."""
     own, slab, noise, value = tables(layers), described(layers), [], []
-    wi, wo = cosine_pairs(np.random.default_rng(1), 256)
+    wi, wo = cosine_pairs(np.random.default_rng(1), 128)
     weight = energy_weight(wi[:, 2], wo[:, 2])[:, None]
     for a, b in ((wi, wo), (wi * DOWN, wo * DOWN), (wi, wo * DOWN)):
         f, se = urushi.simulate(slab, a, b, walks=walks, progress=False, mode="importance")

@@ -17,7 +17,7 @@ from urushi.walk.bottoms.measured_like import MeasuredLike
 from urushi.walk.bottoms.mixture import Mixture
 from urushi.walk.table import from_stack
 
-SAMPLES = 1 << 20
+SAMPLES = 1 << 19
 #: Bottoms that training does not draw.
 METALS = {
     "conductor_compensated": {"alpha": 0.6, "r0": 0.9},

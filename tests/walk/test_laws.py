@@ -124,17 +124,10 @@ def test_stacks_are_reciprocal(name: str) -> None:
     assert (one[0] > 0).mean() > 0.9
     if name in SLABS:
         # The power of light, as importance carries it, is symmetric with the indices of the sides.
-        options = {"walks": 1 << 12, "seed": 4, "progress": False}
-        power, _ = simulate(stack, wi, wo, **options, mode="importance")
-        np.testing.assert_allclose(power, one[0] * square_o / square_i, rtol=1e-5)
-
-
-@pytest.mark.parametrize("name", SLABS)
-def test_a_slab_from_below_is_the_slab_upside_down(name: str) -> None:
-    wi, wo = pairs_above(60, 6, 0.1)
-    wi[::2] *= DOWN
-    found = run(SLABS[name], wi, wo, 6)
-    assert_equal_means(found, run(upside_down(SLABS[name]), wi * DOWN, wo * DOWN, 7))
+        few = {"walks": 64, "seed": 4, "progress": False}
+        light, _ = simulate(stack, wi, wo, **few)
+        power, _ = simulate(stack, wi, wo, **few, mode="importance")
+        np.testing.assert_allclose(power, light * square_o / square_i, rtol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ import pytest
 from urushi.walk import Stack, StackTable, coat, conductor, diffuse, walk_pairs
 from urushi.walk.table import from_stack
 
-WALKS = 1 << 13  # a standard error of 0.6 % in the median; the reference's own is 1 %
-LATER_WALKS = 1 << 12  # up to 1 % in the medians of the later oracle, as its own
+#: A standard error of 0.8 % in the median, of up to 1 % with the later oracle; their own is 1 %.
+WALKS = 1 << 12
 
 
 def table(oracle: Mapping[str, np.ndarray], family: str) -> StackTable:
@@ -56,7 +56,7 @@ def test_every_configuration_agrees(family: str, stored: Callable[[str], Path]) 
     row = np.repeat(np.arange(len(f), dtype=np.uint32), f.shape[1])
     sides = (w.reshape(-1, 3).astype(np.float32) for w in (wi, wo))
     walked = walk_pairs(table(oracle, family), row, *sides, walks=WALKS, seed=1)
-    squares = compare(np.reshape(walked, (2, *f.shape)), (f, se), 0.011)
+    squares = compare(np.reshape(walked, (2, *f.shape)), (f, se), 0.013)
     assert squares > 0.5  # else the standard errors are too large
 
 
@@ -83,7 +83,7 @@ def test_anisotropic_surfaces_and_indices_below_one_agree(
     stacks, wi, wo, f, se = (oracle[f"{group}_{name}"] for name in ("stack", "wi", "wo", "f", "se"))
     row = np.zeros(f.shape[1], np.uint32)
     walked = [
-        walk_pairs(from_stack(later_stack(rows)), row, *sides, walks=LATER_WALKS, seed=1)
+        walk_pairs(from_stack(later_stack(rows)), row, *sides, walks=WALKS, seed=1)
         for rows, *sides in zip(stacks, np.float32(wi), np.float32(wo), strict=True)
     ]
     compare(np.swapaxes(walked, 0, 1), (f, se), 0.015)

@@ -122,12 +122,12 @@ VARNISHES = {
 }
 
 
-def check(coat: dict, rtol: float, u=None, shape=None, walk: dict | None = None):
-    """The albedo by networks is that by walks, of the same coat unless another is given."""
+def check(coat: dict, rtol: float, u=None, shape=None):
+    """The albedo by networks is that by walks, of the same coat."""
     width = {} if "alpha_u" in coat else {"alpha": 0.1}
     coat, si = width | {"int_ior": 1.5} | coat, interactions(shape, u)
     bsdf = mi.load_dict(coat | {"type": "neural_layered"})
-    truth = mi.load_dict(coat | (walk or {}) | {"type": "layered"})
+    truth = mi.load_dict(coat | {"type": "layered"})
     np.testing.assert_allclose(*(albedo(x, si) for x in (bsdf, truth)), rtol=rtol)
     return bsdf
 
@@ -196,13 +196,16 @@ def test_mesh_attributes_and_volumes_of_one_value(rgb, name):
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.6])
-@pytest.mark.parametrize("weight", [0.0, 0.05, 1.0])
-def test_masks_of_metal_and_rust(rgb, alpha, weight):
+def test_masks_of_metal_and_rust(rgb, alpha):
     """Within 2 %: codes of coated metals and Lambertians err by one, noise is below one."""
-    blend = {"type": "blendbsdf", "metal": SILVER, "rust": RUST}
-    mask = strip(0.0, 0.05, 1.0, filter_type="nearest", wrap_mode="clamp")
-    textured, alone = ({"alpha": alpha, "base": blend | {"weight": x}} for x in (mask, weight))
-    check(textured, 0.02, (0.5 + [0.0, 0.05, 1.0].index(weight)) / 3, walk=alone)
+    blend, weights = {"type": "blendbsdf", "metal": SILVER, "rust": RUST}, (0.0, 0.05, 1.0)
+    mask = strip(*weights, filter_type="nearest", wrap_mode="clamp")
+    coat = {"type": "neural_layered", "alpha": alpha, "int_ior": 1.5}
+    bsdf = rgb.load_dict(coat | {"base": blend | {"weight": mask}})
+    for place, weight in enumerate(weights):
+        walk = rgb.load_dict(coat | {"type": "layered", "base": blend | {"weight": weight}})
+        found, expected = (albedo(x, interactions(u=(0.5 + place) / 3)) for x in (bsdf, walk))
+        np.testing.assert_allclose(found, expected, rtol=0.02)
 
 
 @pytest.mark.parametrize(
@@ -261,16 +264,19 @@ def test_a_textured_coat_over_what_no_code_represents(rgb):
     check_f(textured, {u: coat | {"alpha": alpha} for u, alpha in widths.items()}, 0.01)
 
 
-@pytest.mark.parametrize("indices", [(1.5,), (0.6, 0.95)])
-def test_kernels_and_numpy_interpolate_alike(rgb, few_points, indices):
+@pytest.mark.parametrize(
+    ("indices", "widths", "below"),
+    [((1.5,), (0.05, 0.4), (0.1, 0.5, 0.3)), ((0.6, 0.95), (0.2,), (0.2,))],
+)
+def test_kernels_and_numpy_interpolate_alike(rgb, few_points, indices, widths, below):
     """Up to the principal numbers, which stand for the codes."""
     coat = rgb.load_dict(
         {
             "type": "neural_layered",
-            "alpha": strip(0.05, 0.4),
+            "alpha": strip(*widths),
             "ext_ior": 1.0,
             "int_ior": strip(*indices),
-            "base": GOLD | {"alpha": strip(0.1, 0.5, 0.3)},
+            "base": GOLD | {"alpha": strip(*below)},
         }
     )
     latents = coat.latents

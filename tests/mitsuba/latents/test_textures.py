@@ -33,7 +33,7 @@ def mean_and_error(bsdf, uv) -> tuple[np.ndarray, np.ndarray]:
         "reflectance",
     ],
 )  # fmt: skip
-def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, parameter):
+def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, few_points, name, parameter):
     values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.8, 0.3]]) + (parameter == "int_ior")
     texture = bitmap(values[..., None], filter_type="nearest")
     textured, shown = load(rgb, name, networks, **{parameter: texture}), rgb.load_dict(texture)

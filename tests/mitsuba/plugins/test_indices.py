@@ -55,8 +55,7 @@ def test_a_textured_medium_without_an_interface_is_beers_law(rgb, base):
 @pytest.mark.parametrize("inner", [(1.3, 2.2), (1.8, 1.4)])
 def test_metals_below_two_textured_indices_are_those_below_numbers(rgb, few_points, inner):
     def loaded(outer, inner):
-        metal = {"type": "roughconductor", "material": "Cu", "alpha": 0.3, "distribution": "ggx"}
-        coat = {"type": "neural_layered", "alpha": 0.3, "int_ior": inner, "bottom": metal}
+        coat = {"type": "neural_layered", "alpha": 0.3, "int_ior": inner, "bottom": GOLD}
         return rgb.load_dict(coat | {"int_ior": outer, "bottom": coat})
 
     outer = 1.3, 2.2

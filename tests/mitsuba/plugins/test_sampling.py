@@ -6,9 +6,6 @@ from tests.directions import in_plane
 from tests.mitsuba import sampling
 from tests.mitsuba.probes import sampled
 
-from urushi.material import Material
-from urushi.nets.lobe import NO_LOBE
-
 #: Angles of wi from the normal [degrees], one for each material.
 ANGLES = (0, 20, 45, 70, 85, 89)
 
@@ -43,29 +40,13 @@ def coats(count: int) -> list[dict]:
     ]
 
 
-def materials(kind: str, networks, model, folder) -> list[dict]:
-    """Descriptions of materials, one for each of `ANGLES`."""
-    weights, count = {"weights": str(networks)}, len(ANGLES)
+@pytest.mark.parametrize("kind", ["neural_layered", "layered", "nested"])
+def test_samples_follow_the_density(rgb, networks, kind):
+    weights = {"weights": str(networks)} if kind == "neural_layered" else {}
+    plugin = {"type": "layered" if kind == "nested" else kind} | weights
+    described = [coat | plugin for coat in coats(len(ANGLES))]
     if kind == "nested":
-        layered = [coat | {"type": "layered"} for coat in coats(count)]
-        return [a | {"base": b} for a, b in zip(layered, reversed(layered), strict=True)]
-    if kind != "neural_brdf":
-        extra = weights if kind == "neural_layered" else {}
-        return [coat | {"type": kind} | extra for coat in coats(count)]
-    found = []
-    lobes = [[0.2, 0, 0, 1, 1.5, 0], [0.1, 0.8, 1, 0, 1.5, 0], NO_LOBE]
-    for index in range(count):
-        rest = 2 * np.random.default_rng(index).normal(size=(3, model.arch.rest))
-        z = np.concatenate([lobes, rest], axis=1).astype(np.float32)
-        z[:, 0] = (0.01, 0.1, 0.6)[index % 3]  # from the narrowest lobe on
-        Material(z, model).save(folder / f"{index}.safetensors")
-        found.append({"type": kind, "filename": str(folder / f"{index}.safetensors")} | weights)
-    return found
-
-
-@pytest.mark.parametrize("kind", ["neural_brdf", "neural_layered", "layered", "nested"])
-def test_samples_follow_the_density(rgb, networks, model, tmp_path, kind):
-    described = materials(kind, networks, model, tmp_path)
+        described = [a | {"base": b} for a, b in zip(described, reversed(described), strict=True)]
     for degrees, material in zip(ANGLES, described, strict=True):
         sampling.check(rgb.load_dict(material), [degrees], len(ANGLES))
 

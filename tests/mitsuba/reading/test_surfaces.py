@@ -6,7 +6,6 @@ from tests.mitsuba.probes import bitmap, f
 
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
-from urushi.material.encode import encode
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.changed import replaced
 from urushi.mitsuba.reading.probing import known_surface
@@ -71,12 +70,6 @@ def test_other_bsdfs_are_known_by_their_values_alone(rgb, name):
 def test_a_bsdf_that_is_made_again_of_its_textures_reflects_the_same(rgb, name):
     bsdf = rgb.load_dict(MADE_AGAIN[name])
     np.testing.assert_array_equal(f(replaced(bsdf, lambda x: x), WI, WO), f(bsdf, WI, WO))
-
-
-def test_a_bare_bsdf_is_encoded_exactly(rgb, model):
-    bsdf = rgb.load_dict(KNOWN["gold"])
-    expected = probing.bsdf_values(bsdf, WI, WO, np.full((len(WI), 2), 0.5))
-    np.testing.assert_allclose(encode(bsdf, model).f(WI, WO), expected, rtol=5e-4, atol=1e-6)
 
 
 @pytest.mark.parametrize("value", (-0.5, np.nan))
