@@ -110,7 +110,7 @@ def test_a_coat_appears_and_follows_its_parameters(reference):
     """
     shared = dict(coat_weight=0.8, coat_roughness=0.4)
     bsdf = loaded(coat_weight=0.0, reference=reference)
-    old, walks = mi.traverse(bsdf), 64 if reference else 1
+    old, walks = mi.traverse(bsdf), 512 if reference else 1
     update(old, **shared)
     shared |= dict(reference=reference)
     same(bsdf, repeats=walks, **shared)

@@ -90,7 +90,7 @@ def test_codes_along_the_wavelength_are_those_of_constants():
     reflectance = mi.load_dict(base["reflectance"])
     wi, wo = cosine_pairs(np.random.default_rng(0), 256)
     si, errors = interaction(wi, np.full((len(wi), 2), 0.5)), []
-    for nanometres in np.linspace(410, 690, 7):
+    for nanometres in np.linspace(410, 690, 11):
         si.wavelengths = mi.Spectrum(nanometres)
         numbers = {name: float(bsdf._coat.at(si)[name][0][0]) for name in colours}
         below = base | {"reflectance": float(reflectance.eval(si)[0][0])}
