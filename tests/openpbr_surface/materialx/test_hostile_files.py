@@ -23,6 +23,9 @@ COLOUR = INPUT.format('nodename="n"')
 IMAGE = """<image name="n" type="color3"><input name="file" type="filename" value="{}"/></image>"""
 MATERIAL = """<surfacematerial name="m" type="material">
     <input name="surfaceshader" type="surfaceshader" {}="{}"/></surfacematerial>"""
+OUTPUT = '<nodegraph name="{}"><output name="o" type="color3" nodegraph="{}"/></nodegraph>'
+MIX = """<mix name="{}" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
+    <input name="bg" type="surfaceshader" nodename="{}"/></mix>"""
 LINK = '<add name="{}" type="color3"><input name="in1" type="color3" nodename="{}"/></add>'
 
 
@@ -99,7 +102,36 @@ BODIES = {
         LINK.format("n", "b") + LINK.format("b", "n") + COLOUR,
         "is connected to itself; remove the cycle",
     ),
-    "a circle of graphs": (circle_of_graphs(), "remove the cycle"),
+    "a circle of graphs": (circle_of_graphs(), r"node 'd' \(dot\) is connected to itself; remove"),
+    "a circle of outputs": (
+        OUTPUT.format("n", "b") + OUTPUT.format("b", "n") + INPUT.format('nodegraph="n"'),
+        "node 's' .* connected to 'n/o', which is connected to itself; remove the cycle",
+    ),
+    "a circle of texts": (
+        IMAGE.replace("value", "nodename").format("c")
+        + element("constant", "filename", "c", value=("filename", "@c"))
+        + COLOUR,
+        r"node 'c' \(constant\) is connected to itself; remove the cycle",
+    ),
+    "a node inside of itself": (
+        """<nodedef name="ND" node="d"><output name="out" type="color3"/></nodedef>
+        <nodegraph name="NG" nodedef="ND"><d name="x" type="color3"/>
+        <add name="y" type="color3"><input name="in1" type="color3" nodename="x"/></add>
+        <output name="out" type="color3" nodename="y"/></nodegraph><d name="n" type="color3"/>"""
+        + COLOUR,
+        r"node 'x' \(d\) is used by its own definition; remove the cycle",
+    ),
+    "a position of four channels": (
+        element("constant", "vector4", "p", value=("vector4", "1, 2, 3, 4"))
+        + element("noise2d", "color3", texcoord=("vector2", "@p"))
+        + COLOUR,
+        "numbers of channels do not match its type; check them",
+    ),
+    "a shader of unequal inputs": (
+        element("constant", "vector2", "n", value=("vector2", "1, 2"))
+        + element("standard_surface", "surfaceshader", "s", specular_color=("color3", "@n")),
+        r"node 's' \(standard_surface\): specular_color has 2 channels instead of 3",
+    ),
     "a circle of definitions": (
         """<nodedef name="A" node="a" inherit="B"><output name="out" type="color3"/></nodedef>
         <nodedef name="B" node="b" inherit="A"><output name="out" type="color3"/></nodedef>
@@ -146,9 +178,12 @@ BODIES = {
         r"node 's' \(mix\): its bg is connected to no surface shader",
     ),
     "a mixture with itself": (
-        """<mix name="s" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
-        <input name="bg" type="surfaceshader" nodename="s"/></mix>"""
-        + MATERIAL.format("nodename", "s"),
+        MIX.format("s", "s") + MATERIAL.format("nodename", "s"),
+        r"node 's' \(mix\) is connected to itself; remove the cycle",
+    ),
+    "many shaders": (
+        "".join(MIX.format(f"s{i}", f"s{i + 1}") for i in range(17))
+        + MATERIAL.format("nodename", "s0"),
         "mixes more than 16 surface shaders",
     ),
     "a direction in space": (

@@ -139,11 +139,12 @@ def test_patterns_in_space_need_a_plane(textured):
     assert np.allclose(pixels, np.stack([*np.meshgrid(u, u[::-1]), np.zeros((4, 4))], -1))
 
 
-@pytest.mark.parametrize("falloff", [0.5, 0.8])
+@pytest.mark.parametrize("falloff", [0.5, 0.8, "@r"])
 def test_hexagonal_tiles_that_do_not_differ_are_the_image(textured, falloff):
     options = dict.fromkeys(("rotation", "scale", "offset"), 0.0)
     options |= {"tiling": ("vector2", "2, 3"), "falloff": falloff}
-    texture = textured(element("hextiledimage", "color3", file=FILE, **options), 16)
+    ramp = element("ramplr", "float", "r", valuer=1.0)
+    texture = textured(ramp + element("hextiledimage", "color3", file=FILE, **options), 16)
     u = (np.arange(16) + 0.5) / 16
     uv = np.stack(np.meshgrid(u, 1 - u), -1).reshape(-1, 2) * [2, 3]
     assert np.allclose(texture.pixels, sample(PIXELS, uv).reshape(16, 16, 3), atol=1e-6)

@@ -25,7 +25,8 @@ def evaluate(document):
         root = read_document(path).root
         root.setDataLibrary(library())
         graph = Graph(Frame(root, "test"), Images(path.parent))
-        result = Evaluation(graph, POINTS).input(graph.root.node("tested"), "in")
+        with np.errstate(all="ignore"):  # as in `bake`
+            result = Evaluation(graph, POINTS).input(graph.root.node("tested"), "in")
         return np.broadcast_to(result, (len(POINTS), result.shape[-1]))
 
     return values
@@ -70,6 +71,8 @@ PLACE = {"pivot": ("vector2", "0.5, 0.5"), "scale": ("vector2", "2, 4")}
 PLACE |= {"rotate": 90.0, "offset": ("vector2", "0.1, 0.2")}
 FRAME = {"tangent": ("vector3", "@t"), "bitangent": ("vector3", "@b")}
 
+RAMP, COLOR4 = ("ramp", "color4", "r"), ("color4", "0.1, 0.2, 0.3, 1")
+
 CASES = {
     "RGB to HSV and back": (
         element("rgbtohsv", "color3", "h", in_=(0.7, 0.2, 0.4))
@@ -104,6 +107,21 @@ CASES = {
         + element("constant", "vector3", "b", value=("vector3", "-1, 0, 0"))
         + element("normalmap", "vector3", in_=VECTOR, **FRAME),
         (-BENT[1], BENT[0], BENT[2]),
+    ),
+    # Its library's graph has an <ifgreater> with the definition of <ifgreatereq>.
+    "a ramp of two intervals ends with the second": (
+        element("constant", "vector2", "p", value=("vector2", "0.75, 0"))
+        + element(*RAMP, texcoord=("vector2", "@p"), interval2=0.5, interval3=0.6, color2=COLOR4)
+        + element("convert", "color3", in_=("color4", "@r")),
+        (0.1, 0.2, 0.3),
+    ),
+    "grey is below a saturation of 1e-4, as in OSL": (
+        element("hsvtorgb", "color3", in_=(0.3, -0.5, 0.7)),
+        (0.7, 0.7, 0.7),
+    ),
+    "a definition that is missing": (
+        element("mix", "color3", bg=(0.1, 0.2, 0.3)).replace(" type", ' nodedef="ND_x" type', 1),
+        (0.1, 0.2, 0.3),
     ),
     "a value beside a coordinate": (  # editors write it; MaterialX reads the property
         element("ramplr", "float", valuer=1.0, texcoord=("vector2", "0, 0")),

@@ -83,7 +83,12 @@ class _Reader:
                 f"{where} is of MaterialX {given}; up to {newest[0]}.{newest[1]} can be read; "
                 "convert it to that version"
             )
-        for node in root.traverseTree():  # exporters leave out the type of known shaders
+        for node in root.traverseTree():
+            if node.hasInheritanceCycle():
+                raise FileError(
+                    f"{where}: '{node.getName()[:60]}' inherits from itself; remove the cycle"
+                )
+            # Exporters leave out the type of known shaders.
             if node.getCategory() in SHADERS and not node.getAttribute("type"):
                 node.setAttribute("type", "surfaceshader")
         self._open.pop()

@@ -5,12 +5,13 @@ Vectors are in the tangent frame: the normal is (0, 0, 1), the tangent (1, 0, 0)
 
 import re
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from urushi.errors import FileError
 from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
-from urushi.openpbr_surface.materialx.graph import MAX_CHAIN, Graph, Node, Source
+from urushi.openpbr_surface.materialx.graph import MAX_CHAIN, Graph, Node, cycle
 from urushi.openpbr_surface.materialx.images import ADDRESS_MODES, ImageUse, hextiles, sample
 from urushi.openpbr_surface.materialx.nodes import BAKE, CHANNELS, NODES
 from urushi.openpbr_surface.materialx.shaders import FILM_UNITS
@@ -76,18 +77,20 @@ class Evaluation:
         source = node.source(name)
         return np.zeros(1) if source is None else self.value(source, node.where)
 
-    def value(self, source: Source, where: str) -> np.ndarray:
-        """The value (..., channels) of a source. where: begins errors, the node that reads it."""
-        if source.node is not None:
-            return self._of_node(source.node)
-        element = source.element
-        text, kind = element.getAttribute("value"), element.getAttribute("type")
+    def value(self, source: Node | Any, where: str) -> np.ndarray:
+        """The value (..., channels) of a source (`graph.Frame.follow`).
+
+        where: begins errors, the node that reads it.
+        """
+        if isinstance(source, Node):
+            return self._of_node(source)
+        text, kind = source.getAttribute("value"), source.getAttribute("type")
         if not text:
-            geometric = element.getAttribute("defaultgeomprop")
+            geometric = source.getAttribute("defaultgeomprop")
             zeros = np.zeros(CHANNELS.get(kind, 1))
             return self._property(geometric, where) if geometric else zeros
         value = parse_value(text, kind, where)
-        if unit := element.getAttribute("unit"):
+        if unit := source.getAttribute("unit"):
             if unit not in (known := self._graph.units):
                 names = ", ".join(known)
                 raise FileError(
@@ -96,7 +99,7 @@ class Evaluation:
             is_length, scale = known[unit]
             value = value * (scale * (self._metre if is_length else 1))
         if kind in ("color3", "color4"):
-            value = to_linear_srgb(value, element.getActiveColorSpace(), where)
+            value = to_linear_srgb(value, source.getActiveColorSpace(), where)
         return value
 
     def _of_node(self, node: Node) -> np.ndarray:
@@ -104,7 +107,7 @@ class Evaluation:
         if node in self._values:
             return self._values[node]
         if node in self._open:
-            raise FileError(f"{node.where} is connected to itself; remove the cycle")
+            raise cycle(node.where)
         if len(self._open) >= MAX_CHAIN:
             raise FileError(f"{node.where} is the end of a chain of more than {MAX_CHAIN} nodes")
         if self.size >= MAX_NODES:
@@ -112,8 +115,21 @@ class Evaluation:
                 f"{node.where} is one of more than {MAX_NODES} nodes of a single parameter"
             )
         self._open.append(node)
-        self._values[node] = self._evaluated(node)
+        try:
+            value = np.asarray(self._evaluated(node), np.float64)
+        except (ValueError, LookupError) as error:
+            raise FileError(
+                f"{node.where} has inputs whose numbers of channels do not match its type; check "
+                "them"
+            ) from error
         self._open.pop()
+        channels = CHANNELS[node.type]
+        if value.shape[-1] not in (1, channels):  # a number stands for all channels
+            raise FileError(
+                f"{node.where} has {value.shape[-1]} channels instead of {channels}; its inputs do "
+                "not match its type"
+            )
+        self._values[node] = np.broadcast_to(value, (*value.shape[:-1], channels))
         return self._values[node]
 
     def _property(self, name: str, where: str) -> np.ndarray:
@@ -136,37 +152,22 @@ class Evaluation:
 
     def _evaluated(self, node: Node) -> np.ndarray:
         tag, kind, where = node.tag, node.type, node.where
-        if tag in ("normal", "tangent", "bitangent", "position"):
-            return self._property(tag, where)
-        if tag == "texcoord" or (tag == "geompropvalue" and kind == "vector2"):
-            return self.texture_coordinates(3 if kind == "vector3" else 2)
-        if tag in ("image", "hextiledimage"):
-            return self._image(node)
         if not kind:
             raise FileError(f"{where} has no type; give it one, such as color3")
-        if tag not in NODES or kind not in CHANNELS:
-            raise FileError(
-                f"{where} of type '{kind[:40]}' is of a kind that is not supported; {BAKE}"
-            )
-        try:
-            value = np.asarray(NODES[tag](node, partial(self.input, node)), np.float64)
-        except (ValueError, IndexError) as error:
-            raise FileError(
-                f"{where} has inputs whose numbers of channels do not match its type; check them"
-            ) from error
-        channels = CHANNELS[kind]
-        if value.shape[-1] not in (1, channels):  # a number stands for all channels
-            raise FileError(
-                f"{where} has {value.shape[-1]} channels instead of {channels}; its inputs do "
-                "not match its type"
-            )
-        return np.broadcast_to(value, (*value.shape[:-1], channels))
+        if kind in CHANNELS:
+            if tag in ("normal", "tangent", "bitangent", "position"):
+                return self._property(tag, where)
+            if tag == "texcoord" or (tag == "geompropvalue" and kind == "vector2"):
+                return self.texture_coordinates(3 if kind == "vector3" else 2)
+            if tag in ("image", "hextiledimage"):
+                return self._image(node)
+            if tag in NODES:
+                return NODES[tag](node, partial(self.input, node))
+        raise FileError(f"{where} of type '{kind[:40]}' is of a kind that is not supported; {BAKE}")
 
     def _image(self, node: Node) -> np.ndarray:
         kind, where = node.type, node.where
-        channels = CHANNELS.get(kind)
-        if channels is None:
-            raise FileError(f"{where} has type '{kind[:40]}', which images cannot have")
+        channels = CHANNELS[kind]
         file, space = node.text("file")
         if not file:
             return self.input(node, "default")

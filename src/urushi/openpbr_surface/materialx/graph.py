@@ -4,7 +4,6 @@ The library of the package `materialx` has the definitions of nodes, and graphs 
 """
 
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -59,28 +58,18 @@ class Node:
         self.type: str = element.getAttribute("type")
         #: Begins errors about the node.
         self.where = f"{frame.where}: the node '{element.getName()[:60]}' ({self.tag[:40]})"
-        self._given = definition
-
-    @cached_property
-    def _definition(self) -> Any | None:
         options = () if self.tag == "nodegraph" else ("", True)
-        return self._given or self._read(lambda: self.element.getNodeDef(*options))
-
-    @cached_property
-    def inputs(self) -> dict[str, Any]:
-        """The inputs of the definition by name, with inherited ones; empty if there is none."""
-        definition = self._definition
-        given = () if definition is None else self._read(definition.getActiveInputs)
-        return {element.getName(): element for element in given}
-
-    def _read(self, read: Callable[[], Any]) -> Any:
-        """What the package reads from a definition, which must not inherit from itself."""
-        try:
-            return read()
-        except LookupError as error:
-            raise FileError(
-                f"{self.where}: its definition inherits from itself; remove the cycle"
-            ) from error
+        definition = definition or element.getNodeDef(*options)
+        if options and element.getNodeDefString():
+            if definition is None:  # the document does not have it
+                element.removeAttribute("nodedef")
+                definition = element.getNodeDef(*options)
+            else:  # it counts, as in MaterialX, not the category
+                self.tag = definition.getNodeString()
+        self._definition = definition
+        given = () if definition is None else definition.getActiveInputs()
+        #: The inputs of the definition by name, with inherited ones; empty if there is none.
+        self.inputs = {element.getName(): element for element in given}
 
     @cached_property
     def inside(self) -> "Frame | None":
@@ -95,6 +84,11 @@ class Node:
         graph = None if self._definition is None else self._definition.getImplementation()
         if graph is None or graph.getCategory() != "nodegraph":
             return None
+        outer = self.frame.instance
+        while outer is not None:
+            if outer.tag == self.tag and outer._definition == self._definition:
+                raise FileError(f"{self.where} is used by its own definition; remove the cycle")
+            outer = outer.frame.instance
         return Frame(graph, self.frame.where, self)
 
     def _warn_of_losses(self) -> None:
@@ -111,12 +105,12 @@ class Node:
                 stacklevel=3,
             )
 
-    def source(self, name: str) -> "Source | None":
-        """The source of an input; None if neither it nor a default is given."""
+    def source(self, name: str) -> "Node | Any | None":
+        """What gives an input its value (`Frame.follow`); None if no default is given, either."""
         element = self.element.getInput(name)
         found = None if element is None else self.frame.follow(element, self.where)
-        if (found is None or not found.is_given) and name in self.inputs:
-            return Source(self.inputs[name])
+        if found is None or not has_value(found):
+            return self.inputs.get(name, found)
         return found
 
     def text(self, name: str) -> tuple[str, str]:
@@ -124,30 +118,26 @@ class Node:
 
         Both are "" if there is none.
         """
-        source = self.source(name)
-        for _ in range(MAX_CHAIN):
-            if source is None:
-                break
-            if source.node is None:
-                return source.element.getResolvedValueString(), source.element.getActiveColorSpace()
-            link = {"constant": "value", "dot": "in"}.get(source.node.tag, "")
-            source = source.node.source(link)
-        return "", ""
+        source, passed = self.source(name), [self]
+        while isinstance(source, Node):
+            if source in passed:
+                raise cycle(source.where)
+            passed.append(source)
+            source = source.source({"constant": "value", "dot": "in"}.get(source.tag, ""))
+        if source is None:
+            return "", ""
+        return source.getResolvedValueString(), source.getActiveColorSpace()
 
 
-@dataclass(frozen=True, eq=False)
-class Source:
-    """Where a value comes from: a node, or an input or output that has the value itself."""
+def has_value(source: Node | Any) -> bool:
+    """Whether a source (`Frame.follow`) gives a value."""
+    attributes = "value", "defaultgeomprop"
+    return isinstance(source, Node) or any(source.getAttribute(x) for x in attributes)
 
-    element: Any
-    node: Node | None = None
 
-    @property
-    def is_given(self) -> bool:
-        """Whether there is a value."""
-        return self.node is not None or any(
-            self.element.getAttribute(x) for x in ("value", "defaultgeomprop")
-        )
+def cycle(where: str) -> FileError:
+    """The error of a node, named by `where`, whose value depends on itself."""
+    return FileError(f"{where} is connected to itself; remove the cycle")
 
 
 class Frame:
@@ -159,10 +149,10 @@ class Frame:
         where: begins errors.
         instance: the node whose graph it is, or the graph's own node; None: it is the document.
         """
-        self.scope, self.where = scope, where
-        self._instance = instance
+        self.scope, self.where, self.instance = scope, where, instance
         self._root: Frame = self if instance is None else instance.frame._root
         self._nodes: dict[str, Node] = {}
+        self._followed: list[str] = []  # inputs and outputs that are being followed
 
     def node(self, name: str) -> Node | None:
         """The node or node graph of a name."""
@@ -171,17 +161,33 @@ class Frame:
             self._nodes[name] = Node(found, self)
         return self._nodes.get(name)
 
-    def follow(self, element: Any, where: str) -> Source:
-        """The source of an input or output, followed through interfaces and graphs.
+    def follow(self, element: Any, where: str) -> Node | Any:
+        """What gives an input or output its value, through interfaces and graphs.
+
+        It is a node, or an input or output of the package that has the value itself.
 
         where: begins errors, the node that reads it.
         """
+        path = element.getNamePath()
+        if path in self._followed:
+            raise FileError(
+                f"{where} is connected to '{path[:60]}', which is connected to itself; remove the "
+                "cycle"
+            )
+        self._followed.append(path)
+        try:
+            return self._next(element, where)
+        finally:
+            self._followed.pop()
+
+    def _next(self, element: Any, where: str) -> Node | Any:
+        """`follow`, which keeps a list of what it follows."""
         interface, name, graph, output = (
             element.getAttribute(x) for x in ("interfacename", "nodename", "nodegraph", "output")
         )
         if interface:
-            if self._instance is not None:
-                return self._instance.source(interface) or Source(element)
+            if self.instance is not None:
+                return self.instance.source(interface) or element
             declared = self.scope.getInput(interface)
             if declared is None:
                 raise FileError(
@@ -194,14 +200,14 @@ class Frame:
             if node is None:
                 raise FileError(f"{where} is connected to '{link[:60]}', which does not exist")
             if node.inside is None:
-                return Source(node.element, node)
+                return node
             inner = node.inside
         elif not output:  # the geometric property that MaterialX takes for it, or the input
             owner = element.getParent()
             reader = self.node(owner.getName()) if isinstance(owner, package().Node) else None
             declared = None if reader is None else reader.inputs.get(element.getName())
             is_geometric = declared is not None and declared.getAttribute("defaultgeomprop")
-            return Source(declared if is_geometric else element)
+            return declared if is_geometric else element
         outputs = inner.scope.getOutputs()
         found = next((x for x in outputs if output in ("", x.getName())), None)
         if found is None:

@@ -263,8 +263,9 @@ def hextiles(pixels: np.ndarray, uv: np.ndarray, i: Read) -> np.ndarray:
         values.append(sample(pixels, there + centre + shift))
     tiles = np.stack(values)
     luma = (tiles[..., :3] * i("lumacoeffs")).sum(-1)
-    factors = np.stack([1 + (luma - 1) * i("falloffcontrast"), np.ones_like(luma)])
-    of_colour, plain = (_weights(x, weights, i("falloff"))[..., None] for x in factors)
+    contrast, falloff = i("falloffcontrast")[..., 0], i("falloff")[..., 0]
+    factors = np.stack([1 + (luma - 1) * contrast, np.ones_like(luma)])
+    of_colour, plain = (_weights(x, weights, falloff)[..., None] for x in factors)
     return np.concatenate(
         [(of_colour * tiles[..., :3]).sum(0), (plain * tiles[..., 3:]).sum(0)], axis=-1
     )

@@ -97,6 +97,7 @@ def _rgb_to_hsv(color: np.ndarray) -> np.ndarray:
 
 def _hsv_to_rgb(color: np.ndarray) -> np.ndarray:
     hue, saturation, value = (color[..., k] for k in range(3))
+    saturation = np.where(saturation < 1e-4, 0, saturation)  # grey, as in Open Shading Language
     sextant = 6 * (hue - np.floor(hue))
     channels = []
     for start in (5, 3, 1):  # red, green, blue: the distance of the hue from the channel's range

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from urushi.errors import FileError
 from urushi.openpbr_surface.materialx.conversions import (
     edge_tint,
     f0_of,
@@ -22,6 +23,7 @@ from urushi.openpbr_surface.materialx.conversions import (
     stretched,
     unit,
 )
+from urushi.openpbr_surface.materialx.nodes import CHANNELS
 
 #: The shader whose inputs are the parameters.
 TARGET = "open_pbr_surface"
@@ -39,8 +41,14 @@ class Inputs:
     ends: Callable[[str], tuple[np.ndarray, np.ndarray]]
 
     def __getattr__(self, name: str) -> np.ndarray:
-        """The value (..., channels) at the points."""
-        return self.evaluation.input(self.shader, name)
+        """The value (..., channels) at the points; one channel stands for all."""
+        value, declared = self.evaluation.input(self.shader, name), self.shader.inputs.get(name)
+        channels = CHANNELS[declared.getAttribute("type")] if declared else value.shape[-1]
+        if value.shape[-1] not in (1, channels):
+            raise FileError(
+                f"{self.shader.where}: {name} has {value.shape[-1]} channels instead of {channels}"
+            )
+        return value
 
 
 Formula = Callable[[Inputs], np.ndarray]

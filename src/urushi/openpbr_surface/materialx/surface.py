@@ -19,7 +19,7 @@ from urushi.openpbr_surface.materialx import shaders
 from urushi.openpbr_surface.materialx.baking import MAX_RESOLUTION, Texture, Value, bake, changes
 from urushi.openpbr_surface.materialx.document import find_material, read_document
 from urushi.openpbr_surface.materialx.evaluation import DIRECTIONS, Evaluation
-from urushi.openpbr_surface.materialx.graph import Frame, Graph, Node, Source, library
+from urushi.openpbr_surface.materialx.graph import Frame, Graph, Node, cycle, has_value, library
 from urushi.openpbr_surface.materialx.images import Images
 from urushi.openpbr_surface.parameters import EMISSION, PARAMETERS, Parameter, checked, parameter
 
@@ -137,7 +137,7 @@ class Reader:
         if tag == shaders.TARGET:
             for element in inputs:
                 parameter(element.getName(), self._where)
-            given = [e.getName() for e in inputs if frame.follow(e, shader.where).is_given]
+            given = [e.getName() for e in inputs if has_value(frame.follow(e, shader.where))]
             return shaders.renamed(" ".join(given))
         definitions = self._graph.root.scope.getMatchingNodeDefs(f"{tag}_to_{shaders.TARGET}")
         inside = definitions and Node(shader.element, frame, definitions[0]).implementation()
@@ -238,7 +238,7 @@ class Reader:
         return np.clip(value, entry.low, entry.high)
 
 
-def _output(source: Source, i: shaders.Inputs) -> np.ndarray:
+def _output(source: Node | Any, i: shaders.Inputs) -> np.ndarray:
     """A formula: the value of an output of a graph that translates a shader."""
     return i.evaluation.value(source, i.shader.where)
 
@@ -273,8 +273,10 @@ def read_surface(
     graph = Graph(Frame(document.root, document.where), Images(document.path.parent), uv_plane)
     left = iter(range(MAX_MIXED))  # an item for every shader that is allowed
 
-    def read(shader: Node) -> Surface | Mix:
-        """The material of a shader, or the mixture of two."""
+    def read(shader: Node, outer: tuple[Node, ...] = ()) -> Surface | Mix:
+        """The material of a shader, or the mixture of two. outer: mixtures that it is a part of."""
+        if shader in outer:
+            raise cycle(shader.where)
         if next(left, None) is None:
             raise FileError(
                 f"{where} mixes more than {MAX_MIXED} surface shaders; mix the inputs of one "
@@ -284,7 +286,9 @@ def read_surface(
             return Reader(graph, shader, resolution, where).material(name)
         mix = f"{shader.where}: mix"
         weight = bake(graph, lambda e: e.input(shader, "mix"), resolution, mix)
-        return mixed(name, weight, mix, lambda side: read(_connected(shader, side)))
+        return mixed(
+            name, weight, mix, lambda side: read(_connected(shader, side), (*outer, shader))
+        )
 
     try:
         return read(_shader_of(graph, material, where))
@@ -297,10 +301,10 @@ def _connected(node: Node, name: str) -> Node:
     return _shader(node.source(name), f"{node.where}: its {name}")
 
 
-def _shader(source: Source | None, where: str) -> Node:
-    if source is None or source.node is None:
+def _shader(source: Node | Any | None, where: str) -> Node:
+    if not isinstance(source, Node):
         raise FileError(f"{where} is connected to no surface shader in the document")
-    return source.node
+    return source
 
 
 def _shader_of(graph: Graph, element: Any, where: str) -> Node:
@@ -314,9 +318,8 @@ def _shader_of(graph: Graph, element: Any, where: str) -> Node:
             return node
         return _shader(node.inside.follow(outputs[0], node.where), where)
     for name, part in _LOST_SHADERS.items():
-        given = node.source(name)
-        lost = None if given is None else given.node
-        if lost is None:
+        lost = node.source(name)
+        if not isinstance(lost, Node):
             continue
         displaced = partial(Evaluation.input, node=lost, name="displacement")
         if lost.tag != "displacement" or changes(graph, displaced):
