@@ -125,7 +125,7 @@ BODIES = {
         element("constant", "vector4", "p", value=("vector4", "1, 2, 3, 4"))
         + element("noise2d", "color3", texcoord=("vector2", "@p"))
         + COLOUR,
-        "numbers of channels do not match its type; check them",
+        "numbers of channels do not match its type vector3; check them",
     ),
     "a shader of unequal inputs": (
         element("constant", "vector2", "n", value=("vector2", "1, 2"))

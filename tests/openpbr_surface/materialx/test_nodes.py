@@ -211,6 +211,25 @@ def test_noise_is_gradient_noise(axes, scale, gradient, number):
     assert two == pytest.approx(noise.perlin(p, 1) + 0.5 * noise.perlin(2 * p, 1))
 
 
+@pytest.mark.parametrize(
+    ("function", "others"),
+    [
+        (noise.perlin, (2,)),
+        (noise.fractal, (4, 2, np.full(1, 2.0), np.full(1, 0.5))),
+        (noise.cell, ()),
+        (noise.worley, (3, np.full(1, 0.5), 1)),
+    ],
+)
+def test_noise_at_one_place(function, others):
+    """A constant position gives a constant, also where another input varies."""
+    for p in (7 * POINTS, np.c_[POINTS, U]):
+        assert np.array_equal(function(p[3], *others), function(p, *others)[3])
+    jitter = POINTS[:, :1]
+    assert noise.worley(7 * POINTS[3], 1, jitter, 0)[5] == noise.worley(
+        7 * POINTS[3], 1, jitter[5], 0
+    )
+
+
 def test_the_hash_is_jenkins_final():
     """lookup3 (2006), `final`, on Python's integers, for one pair of numbers."""
     mask = 0xFFFFFFFF

@@ -117,20 +117,15 @@ class Evaluation:
         self._open.append(node)
         try:
             value = np.asarray(self._evaluated(node), np.float64)
-        except (ValueError, LookupError) as error:
+            value = np.broadcast_to(value, (*value.shape[:-1], CHANNELS[node.type]))
+        except (TypeError, ValueError, LookupError) as error:
             raise FileError(
-                f"{node.where} has inputs whose numbers of channels do not match its type; check "
-                "them"
+                f"{node.where} has inputs whose numbers of channels do not match its type "
+                f"{node.type[:40]}; check them"
             ) from error
         self._open.pop()
-        channels = CHANNELS[node.type]
-        if value.shape[-1] not in (1, channels):  # a number stands for all channels
-            raise FileError(
-                f"{node.where} has {value.shape[-1]} channels instead of {channels}; its inputs do "
-                "not match its type"
-            )
-        self._values[node] = np.broadcast_to(value, (*value.shape[:-1], channels))
-        return self._values[node]
+        self._values[node] = value
+        return value
 
     def _property(self, name: str, where: str) -> np.ndarray:
         """A geometric property, or what a node of this name gives."""
@@ -161,8 +156,10 @@ class Evaluation:
                 return self.texture_coordinates(3 if kind == "vector3" else 2)
             if tag in ("image", "hextiledimage"):
                 return self._image(node)
-            if tag in NODES:
-                return NODES[tag](node, partial(self.input, node))
+            inputs = node.inputs.items()
+            names = [name for name, x in inputs if x.getAttribute("type") != "string"]
+            if names and tag in NODES:
+                return NODES[tag](node, *(self.input(node, name) for name in names))
         raise FileError(f"{where} of type '{kind[:40]}' is of a kind that is not supported; {BAKE}")
 
     def _image(self, node: Node) -> np.ndarray:

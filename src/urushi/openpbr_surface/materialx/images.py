@@ -5,6 +5,7 @@ random (Mikkelsen, Practical Real-Time Hex-Tiling, JCGT 11(2), 2022).
 """
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,6 @@ import numpy as np
 
 from urushi.errors import FileError, UrushiError
 from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
-from urushi.openpbr_surface.materialx.nodes import Read
 
 #: Largest number of pixels of all images of a document together.
 MAX_PIXELS = 1 << 26
@@ -237,7 +237,7 @@ def _gain(x: np.ndarray, r: np.ndarray) -> np.ndarray:
     return np.where(x < 0.5, x / (a + 1), (a - x) / (a - 1))
 
 
-def hextiles(pixels: np.ndarray, uv: np.ndarray, i: Read) -> np.ndarray:
+def hextiles(pixels: np.ndarray, uv: np.ndarray, i: Callable[[str], np.ndarray]) -> np.ndarray:
     """Values (N, channels) of an image (height, width, channels) at uv (N, 2).
 
     i: the inputs of the node, which give the tiling and how much tiles differ.

@@ -34,11 +34,8 @@ MAX_OCTAVES = 16
 #: Largest divisor that counts as zero in `burn` and `dodge`.
 EPSILON = 1e-8
 
+#: From the values of inputs to the value of a node.
 Function = Callable[..., Any]
-
-
-#: The value (..., channels) of an input, or its default, by its name.
-Read = Callable[[str], np.ndarray]
 
 
 def _smoothstep(x: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -64,22 +61,22 @@ def _blend(mode: Function, divisor: Function = np.ones_like) -> Function:
 
 
 def _condition(compare: Function) -> Function:
-    def choose(node: Any, i: Read) -> np.ndarray:
-        holds = compare(i("value1"), i("value2"))
-        return holds if node.type == "boolean" else np.where(holds, i("in1"), i("in2"))
+    """A choice between two values; a node of type boolean has none."""
+    return lambda a, b, *choices: np.where(compare(a, b), *(choices or (1.0, 0.0)))
 
-    return choose
+
+def _ramp(low: np.ndarray, high: np.ndarray, t: np.ndarray) -> np.ndarray:
+    return conversions.mix(low, high, np.clip(t, 0, 1))
+
+
+def _stack(*parts: np.ndarray) -> np.ndarray:
+    shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
+    return np.concatenate([np.broadcast_to(p, (*shape, p.shape[-1])) for p in parts], axis=-1)
 
 
 def _keep_alpha(colour: np.ndarray, source: np.ndarray) -> np.ndarray:
     """Three channels, and the fourth of `source` if it has one."""
-    colour = np.broadcast_to(colour, (*colour.shape[:-1], 3))
-    return np.concatenate([colour, source[..., 3:]], axis=-1)
-
-
-def _stack(parts: list[np.ndarray]) -> np.ndarray:
-    shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
-    return np.concatenate([np.broadcast_to(p, (*shape, p.shape[-1])) for p in parts], axis=-1)
+    return _stack(np.broadcast_to(colour, (*colour.shape[:-1], 3)), source[..., 3:])
 
 
 def _rgb_to_hsv(color: np.ndarray) -> np.ndarray:
@@ -110,7 +107,7 @@ def _rotate(vector: np.ndarray, amount: np.ndarray) -> np.ndarray:
     angle = np.radians(amount)
     x, y = vector[..., :1], vector[..., 1:]
     s, c = np.sin(angle), np.cos(angle)
-    return _stack([c * x + s * y, c * y - s * x])
+    return _stack(c * x + s * y, c * y - s * x)
 
 
 def _normal_map(
@@ -132,127 +129,92 @@ def _of_numpy(names: str) -> dict[str, Function]:
     return {node: getattr(np, name or node) for node, _, name in pairs}
 
 
-#: Nodes that are functions of their inputs alone, by the names of the inputs.
-_FUNCTIONS: dict[str, dict[str, Function]] = {
-    "in": {
-        **_of_numpy("floor ceil sign sin cos tan sqrt exp"),
-        **_of_numpy("absval=abs asin=arcsin acos=arccos ln=log"),
-        "round": lambda x: np.floor(x + 0.5),
-        "fract": lambda x: x - np.floor(x),
-        "magnitude": _length,
-        "normalize": lambda x: x / np.maximum(_length(x), 1e-30),
-        "not": lambda x: np.where(x != 0, 0.0, 1.0),
-        "dot": lambda x: x,
-        "convert": lambda x: x[..., :1],  # to float
-        "rgbtohsv": _rgb_to_hsv,
-        "hsvtorgb": _hsv_to_rgb,
-    },
-    "in1 in2": {
-        **_of_numpy("add subtract multiply divide power"),
-        **_of_numpy("min=minimum max=maximum crossproduct=cross"),
-        "modulo": lambda x, y: x - y * np.floor(x / y),
-        "dotproduct": _dot,
-        "and": lambda a, b: np.where((a != 0) & (b != 0), 1.0, 0.0),
-        "or": lambda a, b: np.where((a != 0) | (b != 0), 1.0, 0.0),
-    },
-    "in low high": {
-        "clamp": lambda x, low, high: np.minimum(np.maximum(x, low), high),
-        "smoothstep": _smoothstep,
-    },
-    "in inlow inhigh outlow outhigh": {
-        "remap": lambda x, low, high, out_low, out_high: (
-            out_low + (x - low) * (out_high - out_low) / (high - low)
-        )
-    },
-    "in lumacoeffs": {"luminance": lambda x, weights: _keep_alpha(_dot(x[..., :3], weights), x)},
-    "in amount": {"invert": lambda x, amount: amount - x, "rotate2d": _rotate},
-    "in mask": {"inside": lambda x, mask: x * mask, "outside": lambda x, mask: x * (1 - mask)},
-    "in scale normal tangent bitangent": {"normalmap": _normal_map},
-    "iny inx": {"atan2": np.arctan2},
-    "value": {"constant": lambda x: x},
-    "fg bg mix": {
-        "mix": lambda fg, bg, mix: conversions.mix(bg, fg, mix),
-        "plus": _blend(lambda fg, bg: bg + fg),
-        "minus": _blend(lambda fg, bg: bg - fg),
-        "difference": _blend(lambda fg, bg: np.abs(bg - fg)),
-        "screen": _blend(lambda fg, bg: 1 - (1 - fg) * (1 - bg)),
-        "burn": _blend(lambda fg, bg: 1 - (1 - bg) / fg, lambda fg: fg),
-        "dodge": _blend(lambda fg, bg: bg / (1 - fg), lambda fg: 1 - fg),
-    },
-    "texcoord valuel valuer": {
-        "ramplr": lambda uv, low, high: conversions.mix(low, high, np.clip(uv[..., :1], 0, 1))
-    },
-    "texcoord valueb valuet": {
-        "ramptb": lambda uv, low, high: conversions.mix(low, high, np.clip(uv[..., 1:], 0, 1))
-    },
-    "texcoord center valuer valuel": {
-        "splitlr": lambda uv, center, *ends: np.where(uv[..., :1] >= center, *ends)
-    },
-    "texcoord center valuet valueb": {
-        "splittb": lambda uv, center, *ends: np.where(uv[..., 1:] >= center, *ends)
-    },
-    "texcoord": {"cellnoise2d": noise.cell},
-    "position": {"cellnoise3d": noise.cell},
+#: The nodes without a graph that are functions of their inputs alone, by category.
+_FUNCTIONS: dict[str, Function] = {
+    **_of_numpy("floor ceil sign sin cos tan sqrt exp absval=abs asin=arcsin acos=arccos ln=log"),
+    **_of_numpy("add subtract multiply divide power atan2=arctan2 min=minimum max=maximum"),
+    "modulo": lambda x, y: x - y * np.floor(x / y),
+    "round": lambda x: np.floor(x + 0.5),
+    "fract": lambda x: x - np.floor(x),
+    "invert": lambda x, amount: amount - x,
+    "clamp": lambda x, low, high: np.minimum(np.maximum(x, low), high),
+    "smoothstep": _smoothstep,
+    "remap": lambda x, low, high, out_low, out_high: (
+        out_low + (x - low) * (out_high - out_low) / (high - low)
+    ),
+    "crossproduct": np.cross,
+    "dotproduct": _dot,
+    "magnitude": _length,
+    "normalize": lambda x: x / np.maximum(_length(x), 1e-30),
+    "normalmap": _normal_map,
+    "rotate2d": _rotate,
+    "constant": lambda x: x,
+    "dot": lambda x: x,
+    "convert": lambda x: x[..., :1],  # to float
+    **dict.fromkeys(("combine2", "combine3", "combine4"), _stack),
+    "luminance": lambda x, weights: _keep_alpha(_dot(x[..., :3], weights), x),
+    "rgbtohsv": _rgb_to_hsv,
+    "hsvtorgb": _hsv_to_rgb,
+    "mix": lambda fg, bg, mix: conversions.mix(bg, fg, mix),
+    "plus": _blend(lambda fg, bg: bg + fg),
+    "minus": _blend(lambda fg, bg: bg - fg),
+    "difference": _blend(lambda fg, bg: np.abs(bg - fg)),
+    "screen": _blend(lambda fg, bg: 1 - (1 - fg) * (1 - bg)),
+    "burn": _blend(lambda fg, bg: 1 - (1 - bg) / fg, lambda fg: fg),
+    "dodge": _blend(lambda fg, bg: bg / (1 - fg), lambda fg: 1 - fg),
+    "inside": lambda x, mask: x * mask,
+    "outside": lambda x, mask: x * (1 - mask),
+    "not": lambda x: np.where(x != 0, 0.0, 1.0),
+    "and": lambda a, b: np.where((a != 0) & (b != 0), 1.0, 0.0),
+    "or": lambda a, b: np.where((a != 0) | (b != 0), 1.0, 0.0),
+    "ifgreater": _condition(np.greater),
+    "ifgreatereq": _condition(np.greater_equal),
+    "ifequal": _condition(np.equal),
+    "ramplr": lambda left, right, uv: _ramp(left, right, uv[..., :1]),
+    "ramptb": lambda top, bottom, uv: _ramp(bottom, top, uv[..., 1:]),
+    "splitlr": lambda left, right, x, uv: np.where(uv[..., :1] >= x, right, left),
+    "splittb": lambda top, bottom, y, uv: np.where(uv[..., 1:] >= y, top, bottom),
+    **dict.fromkeys(("cellnoise2d", "cellnoise3d"), noise.cell),
 }
 
 
-def _combine(node: Any, i: Read) -> np.ndarray:
-    parts: list[np.ndarray] = []
-    while sum(part.shape[-1] for part in parts) < CHANNELS[node.type]:
-        parts.append(i(f"in{len(parts) + 1}"))
-    return _stack(parts)
-
-
-def _constant(node: Any, i: Read, name: str, most: int) -> int:
+def _number(node: Any, name: str, value: np.ndarray, most: int) -> int:
     """An input that must be the same number at all points, from 0 to `most`."""
-    value = i(name)
     if value.ndim > 1 or not 0 <= value[0] <= most:
         raise FileError(f"{node.where}: {name} must be a constant from 0 to {most}")
     return int(value[0])
 
 
-def _extract(node: Any, i: Read) -> np.ndarray:
-    channel = _constant(node, i, "index", i("in").shape[-1] - 1)
-    return i("in")[..., channel : channel + 1]
+def _extract(node: Any, value: np.ndarray, index: np.ndarray) -> np.ndarray:
+    channel = _number(node, "index", index, value.shape[-1] - 1)
+    return value[..., channel : channel + 1]
 
 
-def _place(node: Any, i: Read) -> np.ndarray:
-    """The position (..., 2 or 3) that a noise is evaluated at."""
-    return i("texcoord" if node.tag.endswith("2d") else "position")
+def _noise(node: Any, amplitude: np.ndarray, pivot: np.ndarray, position: np.ndarray) -> np.ndarray:
+    return noise.perlin(position, CHANNELS[node.type]) * amplitude + pivot
 
 
-def _noise(node: Any, i: Read) -> np.ndarray:
-    value = noise.perlin(_place(node, i), CHANNELS[node.type])
-    return value * i("amplitude") + i("pivot")
+def _fractal(
+    node: Any, amplitude: np.ndarray, octaves: np.ndarray, *growth_and_position: np.ndarray
+) -> np.ndarray:
+    *growth, position = growth_and_position
+    count = _number(node, "octaves", octaves, MAX_OCTAVES)
+    return noise.fractal(position, CHANNELS[node.type], count, *growth) * amplitude
 
 
-def _fractal(node: Any, i: Read) -> np.ndarray:
-    octaves, growth = _constant(node, i, "octaves", MAX_OCTAVES), (i("lacunarity"), i("diminish"))
-    value = noise.fractal(_place(node, i), CHANNELS[node.type], octaves, *growth)
-    return value * i("amplitude")
+def _worley(node: Any, position: np.ndarray, jitter: np.ndarray, style: np.ndarray) -> np.ndarray:
+    return noise.worley(position, CHANNELS[node.type], jitter, _number(node, "style", style, 1))
 
 
-def _worley_noise(node: Any, i: Read) -> np.ndarray:
-    style = _constant(node, i, "style", 1)
-    return noise.worley(_place(node, i), CHANNELS[node.type], i("jitter"), style)
+def _of_inputs(function: Function) -> Function:
+    return lambda node, *inputs: function(*inputs)
 
 
-def _of_inputs(function: Function, inputs: str) -> Function:
-    return lambda node, i: function(*map(i, inputs.split()))
-
-
-#: The nodes without a graph by category: functions of a `graph.Node` and of its inputs.
-NODES: dict[str, Callable[[Any, Read], np.ndarray]] = {
-    category: _of_inputs(function, inputs)
-    for inputs, functions in _FUNCTIONS.items()
-    for category, function in functions.items()
-} | {
-    **dict.fromkeys(("combine2", "combine3", "combine4"), _combine),
+#: The nodes without a graph by category: functions of a `graph.Node` and of the values of its
+#: inputs, in the order of its definition.
+NODES: dict[str, Function] = {tag: _of_inputs(function) for tag, function in _FUNCTIONS.items()} | {
+    "extract": _extract,
     **dict.fromkeys(("noise2d", "noise3d"), _noise),
     **dict.fromkeys(("fractal2d", "fractal3d"), _fractal),
-    **dict.fromkeys(("worleynoise2d", "worleynoise3d"), _worley_noise),
-    "ifgreater": _condition(np.greater),
-    "ifgreatereq": _condition(np.greater_equal),
-    "ifequal": _condition(np.equal),
-    "extract": _extract,
+    **dict.fromkeys(("worleynoise2d", "worleynoise3d"), _worley),
 }

@@ -5,6 +5,7 @@ Improving noise, SIGGRAPH 2002) on Jenkins' integer hash (lookup3, 2006), cell n
 noise (Worley, SIGGRAPH 1996). Positions are arrays (..., 2) or (..., 3).
 """
 
+from collections.abc import Callable
 from itertools import product
 
 import numpy as np
@@ -77,6 +78,17 @@ def _channels(noise, p: np.ndarray, channels: int, offset: np.ndarray) -> np.nda
     return np.concatenate([noise(p, channels - 1), noise(p + offset[: p.shape[-1]], 1)], axis=-1)
 
 
+def _of_constants(noise: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+    """A noise at positions (N, D) that takes one position (D,), too."""
+
+    def at(p: np.ndarray, *others) -> np.ndarray:
+        value = noise(np.atleast_2d(p), *others)
+        return value if len(value) > 1 else value[0]
+
+    return at
+
+
+@_of_constants
 def perlin(p: np.ndarray, channels: int) -> np.ndarray:
     """Gradient noise at positions (..., D), of 1 to 4 channels, about [-1, 1]."""
     if channels == 2:
@@ -84,6 +96,7 @@ def perlin(p: np.ndarray, channels: int) -> np.ndarray:
     return _channels(_perlin, p, channels, _NOISE_OFFSET)
 
 
+@_of_constants
 def fractal(
     p: np.ndarray, channels: int, octaves: int, lacunarity: np.ndarray, diminish: np.ndarray
 ) -> np.ndarray:
@@ -104,6 +117,7 @@ def _unit(code: np.ndarray) -> np.ndarray:
     return code / np.float64(0xFFFFFFFF)
 
 
+@_of_constants
 def cell(p: np.ndarray) -> np.ndarray:
     """A random number in [0, 1] for each cell of the integer grid, (..., 1)."""
     return _unit(hash_integers(*_cell(p)[0]))[..., None]
@@ -113,6 +127,7 @@ def _cell_three(*cell: np.ndarray) -> np.ndarray:
     return np.stack([_unit(hash_integers(*cell, np.array(k))) for k in range(3)], axis=-1)
 
 
+@_of_constants
 def worley(p: np.ndarray, channels: int, jitter: np.ndarray, style: int) -> np.ndarray:
     """Cellular noise of 1 to 3 channels.
 
@@ -121,8 +136,8 @@ def worley(p: np.ndarray, channels: int, jitter: np.ndarray, style: int) -> np.n
         jitter: how far points lie from the centres of their cells, 1: anywhere inside.
         style: 0: distances to the nearest points; 1: random numbers of the nearest point's cell.
     """
+    p = p + 0 * jitter  # of one shape
     corner, inside = _cell(p)
-    jitter = np.broadcast_to(np.asarray(jitter), (*p.shape[:-1], 1))
     nearest = np.full((*p.shape[:-1], channels), 1e6)
     offset = np.zeros(p.shape)
     for step in product((-1, 0, 1), repeat=p.shape[-1]):
