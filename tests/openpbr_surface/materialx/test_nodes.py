@@ -8,7 +8,7 @@ from urushi.errors import UrushiWarning
 from urushi.openpbr_surface.materialx import noise
 from urushi.openpbr_surface.materialx.document import read_document
 from urushi.openpbr_surface.materialx.evaluation import Evaluation, parse_value
-from urushi.openpbr_surface.materialx.graph import Frame, Graph, library
+from urushi.openpbr_surface.materialx.graph import Frame, Graph
 from urushi.openpbr_surface.materialx.images import Images
 
 POINTS = np.random.default_rng(0).random((64, 2))
@@ -22,9 +22,7 @@ def evaluate(document):
 
     def values(body):
         path = document(body + element("dot", "color3", "tested", in_=("color3", "@n")))
-        root = read_document(path).root
-        root.setDataLibrary(library())
-        graph = Graph(Frame(root, "test"), Images(path.parent))
+        graph = Graph(Frame(read_document(path), "test"), Images(path.parent))
         with np.errstate(all="ignore"):  # as in `bake`
             result = Evaluation(graph, POINTS).input(graph.root.node("tested"), "in")
         return np.broadcast_to(result, (len(POINTS), result.shape[-1]))

@@ -3,7 +3,6 @@
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,26 +28,15 @@ _PIECE = re.compile(r"""<!--.*?(?:-->|\Z)|<(?:[^"'<>]|"[^"]*"?|'[^']*'?)*+>?|[^<
 _ATTRIBUTE = re.compile(r"""([\w:]+)\s*=\s*(["'])(.*?)\2""", re.DOTALL)
 
 
-@dataclass(frozen=True)
-class Document:
-    """A document with its included files."""
-
-    path: Path
-    root: Any  # the document of the package, upgraded to its version
-
-    @property
-    def where(self) -> str:
-        return f"'{self.path}'"
-
-
-def read_document(path: str | os.PathLike) -> Document:
-    """Read a document and the files that it includes."""
+def read_document(path: str | os.PathLike) -> Any:
+    """Read a document, upgraded to the package's version, with the files that it includes."""
     file, mx = as_path(path), package()
     root, options = mx.createDocument(), mx.XmlReadOptions()
     reader = _Reader(file)
     options.readXIncludeFunction = reader.include
     reader.read(root, file, options)
-    return Document(file, root)
+    root.setSourceUri(str(file))
+    return root
 
 
 class _Reader:
@@ -149,12 +137,11 @@ class _Reader:
             raise FileError(f"cannot read the MaterialX file '{file}': {reason}") from error
 
 
-def materials(document: Document) -> tuple[list[Any], list[Any]]:
-    """The nodes of materials, also inside of node graphs, and the surface shaders beside them.
+def materials(root: Any) -> tuple[list[Any], list[Any]]:
+    """The nodes of a document's materials, also in node graphs, and the shaders beside them.
 
     Shaders are materials if the document has no other.
     """
-    root = document.root
     graphs = (graph for graph in root.getNodeGraphs() if not graph.getNodeDefString())
     nodes = [node for scope in (root, *graphs) for node in scope.getNodes()]
     every = [node for node in nodes if node.getAttribute("type") == "surfaceshader"]
@@ -163,12 +150,12 @@ def materials(document: Document) -> tuple[list[Any], list[Any]]:
     return named or shaders or every, shaders
 
 
-def find_material(document: Document, name: str | None = None) -> Any:
-    """The node of a material or of a surface shader (`materials`).
+def find_material(root: Any, name: str | None = None) -> Any:
+    """The node of a document's material or of a surface shader (`materials`).
 
     name: None: the document's only material, or its only shader if it has no material.
     """
-    where, (choices, shaders) = document.where, materials(document)
+    where, (choices, shaders) = f"'{root.getSourceUri()}'", materials(root)
     if not choices:
         raise FileError(
             f"{where} has no material; it needs a surfacematerial or a node of type surfaceshader"
@@ -197,15 +184,12 @@ def write_parameters(
         raise ParameterError(
             f"the material's name is {name!r}; use letters, digits and underscores"
         )
-    inputs = ""
-    for parameter, value in values.items():
-        if isinstance(value, bool):
-            kind, given = "boolean", str(value).lower()
-        elif isinstance(value, tuple):
-            kind, given = "color3", ", ".join(repr(x) for x in value)
-        else:
-            kind, given = "float", repr(value)
-        inputs += f'    <input name="{parameter}" type="{kind}" value="{given}" />\n'
+    kinds = {bool: "boolean", tuple: "color3"}
+    inputs = "".join(
+        f'    <input name="{parameter}" type="{kinds.get(type(value), "float")}" '
+        f'value="{str(value).lower().strip("()")}" />\n'
+        for parameter, value in values.items()
+    )
     text = f"""<?xml version="1.0"?>
 <materialx version="1.39" colorspace="lin_rec709">
   <{TARGET} name="{name}_shader" type="surfaceshader">

@@ -65,7 +65,7 @@ class Evaluation:
         """Number of nodes evaluated."""
         return len(self._values)
 
-    def texture_coordinates(self, channels: int = 2) -> np.ndarray:
+    def _texture_coordinates(self, channels: int = 2) -> np.ndarray:
         """Texture coordinates (N, 2), or with a third of 0 (N, 3)."""
         if self._uv is None:
             raise NeedsPosition
@@ -132,7 +132,7 @@ class Evaluation:
         if name in DIRECTIONS:
             return DIRECTIONS[name]
         if name.startswith("UV"):
-            return self.texture_coordinates()
+            return self._texture_coordinates()
         if name not in ("position", "Pobject", "Pworld"):
             raise FileError(
                 f"{where} needs the geometric property '{name[:60]}', which is unknown "
@@ -143,7 +143,7 @@ class Evaluation:
                 f"{where} needs positions in space, which are unknown before rendering; set "
                 f"uv_plane to take (u, v, 0), or {BAKE}"
             )
-        return self.texture_coordinates(3)
+        return self._texture_coordinates(3)
 
     def _evaluated(self, node: Node) -> np.ndarray:
         tag, kind, where = node.tag, node.type, node.where
@@ -153,7 +153,7 @@ class Evaluation:
             if tag in ("normal", "tangent", "bitangent", "position"):
                 return self._property(tag, where)
             if tag == "texcoord" or (tag == "geompropvalue" and kind == "vector2"):
-                return self.texture_coordinates(3 if kind == "vector3" else 2)
+                return self._texture_coordinates(3 if kind == "vector3" else 2)
             if tag in ("image", "hextiledimage"):
                 return self._image(node)
             inputs = node.inputs.items()

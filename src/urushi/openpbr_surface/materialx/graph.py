@@ -30,6 +30,7 @@ LIBRARY = (
 MAX_CHAIN = 80
 
 
+@cache
 def package() -> Any:
     """The package MaterialX."""
     require_extra("materialx")
@@ -225,6 +226,9 @@ class Graph:
     root: Frame
     images: Images
     uv_plane: bool = False  # whether positions in space are (u, v, 0); else they are refused
+
+    def __post_init__(self) -> None:
+        self.root.scope.setDataLibrary(library())
 
     @cached_property
     def units(self) -> dict[str, tuple[bool, float]]:

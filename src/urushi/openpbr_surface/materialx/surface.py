@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from urushi.openpbr_surface.materialx import shaders
 from urushi.openpbr_surface.materialx.baking import MAX_RESOLUTION, Texture, Value, bake, changes
 from urushi.openpbr_surface.materialx.document import find_material, read_document
 from urushi.openpbr_surface.materialx.evaluation import DIRECTIONS, Evaluation
-from urushi.openpbr_surface.materialx.graph import Frame, Graph, Node, cycle, has_value, library
+from urushi.openpbr_surface.materialx.graph import Frame, Graph, Node, cycle, has_value
 from urushi.openpbr_surface.materialx.images import Images
 from urushi.openpbr_surface.parameters import EMISSION, PARAMETERS, Parameter, checked, parameter
 
@@ -144,7 +145,10 @@ class Reader:
         if inside:
             outputs = {x.getName().removesuffix("_out"): x for x in inside.scope.getOutputs()}
             return {
-                name: partial(_output, inside.follow(output, shader.where))
+                name: partial(
+                    lambda source, i: i.evaluation.value(source, shader.where),
+                    inside.follow(output, shader.where),
+                )
                 for name, output in outputs.items()
                 if name in PARAMETERS
             }
@@ -238,11 +242,6 @@ class Reader:
         return np.clip(value, entry.low, entry.high)
 
 
-def _output(source: Node | Any, i: shaders.Inputs) -> np.ndarray:
-    """A formula: the value of an output of a graph that translates a shader."""
-    return i.evaluation.value(source, i.shader.where)
-
-
 def _bright(values: dict[str, ParameterValue]) -> dict[str, ParameterValue]:
     """The values, with an emission_color of at most 1 and no luminance of black."""
     color = values.get("emission_color")
@@ -267,10 +266,9 @@ def read_surface(
     resolution = int(RESOLUTIONS(resolution))
     document = read_document(path)
     material = find_material(document, name)
-    name = material.getName()
-    where = f"{document.where}: '{name[:60]}'"
-    document.root.setDataLibrary(library())
-    graph = Graph(Frame(document.root, document.where), Images(document.path.parent), uv_plane)
+    name, file = material.getName(), document.getSourceUri()
+    where = f"'{file}': '{name[:60]}'"
+    graph = Graph(Frame(document, f"'{file}'"), Images(Path(file).parent), uv_plane)
     left = iter(range(MAX_MIXED))  # an item for every shader that is allowed
 
     def read(shader: Node, outer: tuple[Node, ...] = ()) -> Surface | Mix:
