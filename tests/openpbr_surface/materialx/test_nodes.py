@@ -117,6 +117,11 @@ CASES = {
         element("hsvtorgb", "color3", in_=(0.3, -0.5, 0.7)),
         (0.7, 0.7, 0.7),
     ),
+    "a type without a definition has the defaults of other types": (
+        element("multiply", "integer", "m", in1=3)
+        + element("convert", "color3", in_=("integer", "@m")),
+        (3, 3, 3),
+    ),
     "a definition that is missing": (
         element("mix", "color3", bg=(0.1, 0.2, 0.3)).replace(" type", ' nodedef="ND_x" type', 1),
         (0.1, 0.2, 0.3),

@@ -68,6 +68,8 @@ class Node:
             else:  # it counts, as in MaterialX, not the category
                 self.tag = definition.getNodeString()
         self._definition = definition
+        if definition is None and options:  # of this type: others have inputs of the same names
+            definition = next(iter(element.getDocument().getMatchingNodeDefs(self.tag)), None)
         given = () if definition is None else definition.getActiveInputs()
         #: The inputs of the definition by name, with inherited ones; empty if there is none.
         self.inputs = {element.getName(): element for element in given}
