@@ -49,6 +49,15 @@ def library() -> Any:
     return whole
 
 
+def _definition(element: Any) -> Any | None:
+    """The definition that a node names, as in MaterialX, or else the one that fits best."""
+    found = element.getNodeDef("", True)
+    if found is None and element.getNodeDefString():  # it names one that is missing
+        element.removeAttribute("nodedef")
+        found = element.getNodeDef("", True)
+    return found
+
+
 class Node:
     """A node or node graph in its frame."""
 
@@ -59,20 +68,24 @@ class Node:
         self.type: str = element.getAttribute("type")
         #: Begins errors about the node.
         self.where = f"{frame.where}: the node '{element.getName()[:60]}' ({self.tag[:40]})"
-        options = () if self.tag == "nodegraph" else ("", True)
-        definition = definition or element.getNodeDef(*options)
-        if options and element.getNodeDefString():
-            if definition is None:  # the document does not have it
-                element.removeAttribute("nodedef")
-                definition = element.getNodeDef(*options)
-            else:  # it counts, as in MaterialX, not the category
-                self.tag = definition.getNodeString()
-        self._definition = definition
-        if definition is None and options:  # of this type: others have inputs of the same names
-            definition = next(iter(element.getDocument().getMatchingNodeDefs(self.tag)), None)
+        if self.tag == "nodegraph":
+            self._definition = element.getNodeDef()
+        elif found := definition or _definition(element):
+            self._definition, self.tag = found, found.getNodeString()
+        else:
+            self._definition = None
+
+    @cached_property
+    def inputs(self) -> dict[str, Any]:
+        """The inputs of the definition by name, with inherited ones; empty if there is none.
+
+        Those of another type's definition if its own has none: they have the same names.
+        """
+        definition = self._definition
+        if definition is None:
+            definition = next(iter(self.element.getDocument().getMatchingNodeDefs(self.tag)), None)
         given = () if definition is None else definition.getActiveInputs()
-        #: The inputs of the definition by name, with inherited ones; empty if there is none.
-        self.inputs = {element.getName(): element for element in given}
+        return {element.getName(): element for element in given}
 
     @cached_property
     def inside(self) -> "Frame | None":
