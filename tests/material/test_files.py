@@ -31,6 +31,7 @@ def test_other_weights_are_refused_by_name(material, model, other_model, tmp_pat
 
 
 CODES, COAT = {"latents": np.ones((3, 14), np.float32)}, [[0.1], [1.5], [0.0], [0.0], [0.0]]
+COATED = CODES | {"bottom.latents": CODES["latents"], "coat": np.array(COAT)}
 
 
 @pytest.mark.parametrize(
@@ -46,7 +47,11 @@ CODES, COAT = {"latents": np.ones((3, 14), np.float32)}, [[0.1], [1.5], [0.0], [
         (CODES | {"table": np.full((*SHAPE, 3), np.nan)}, {}),
         (CODES | {"table": np.full((*SHAPE, 3), 6e4, np.float16)}, {}),
         (CODES | {"table": np.full((*SHAPE, 3), -26, np.float16)}, {}),
-        (CODES | {"bottom.latents": CODES["latents"], "coat": np.array(COAT)}, {"bottom": None}),
+        (COATED, {"bottom": None}),
+        (COATED | {"coat": np.repeat(COAT, 2, axis=1)}, {"bottom": {}}),
+        (COATED | {"coat": np.reshape(COAT, (5, 1, 1))}, {"bottom": {}}),
+        (COATED | {"coat": np.array([*COAT, [0.1]])}, {"bottom": {}}),
+        (COATED | {"bottom.latents": np.ones((1, 14), np.float32)}, {"bottom": {}}),
         (CODES, {"version": FORMAT_VERSION + 1}),
     ],
 )

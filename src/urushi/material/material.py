@@ -340,9 +340,14 @@ def _material(description: dict[str, Any], arrays: dict[str, np.ndarray], model:
     coating = None
     if "coat" in arrays:
         coat = checks.coat(CoatParameters.of_columns(arrays["coat"]), "the coat's", any_shape=True)
+        if model.widths == 1:
+            checks.one_width(coat.alpha, "the coat's")
         prefix = "bottom."
         below = {n.removeprefix(prefix): x for n, x in arrays.items() if n.startswith(prefix)}
         bottom = _material(description["bottom"], below, model)
+        (count,) = np.broadcast_shapes(arrays["coat"].shape[1:], (bottom.channels,))
+        if len(arrays["latents"]) not in (count, bottom.channels):  # absent coats change nothing
+            raise ValueError(f"its coat and bottom have {count} channels, its latents do not")
         absolute, fast = bool(description["absolute"]), bool(description.get("fast"))
         compensated = bool(description.get("compensated"))
         coating = Coating(coat, absolute, bottom, fast, compensated)
