@@ -204,11 +204,12 @@ def texture_form(language: str) -> TextureForm:
 
 def _printer(language: str, prefix: str = PREFIX) -> Printer:
     """The printer; a ParameterError if it is unknown, or if names cannot begin with the prefix."""
-    if language not in LANGUAGES:
+    if language not in tuple(LANGUAGES):
         raise ParameterError(
             f"there is no language '{language}'; choose one of {', '.join(LANGUAGES)}"
         )
-    if not re.fullmatch(r"(?!gl_)([A-Za-z][A-Za-z0-9]*)(_[A-Za-z0-9]+)*", f"{prefix}_f"):
+    names = r"(?!gl_)([A-Za-z][A-Za-z0-9]*)(_[A-Za-z0-9]+)*"
+    if not (isinstance(prefix, str) and re.fullmatch(names, f"{prefix}_f")):
         raise ParameterError(
             f"'{prefix}' is not a valid prefix of function names; use letters, digits and single "
             "underscores between them, beginning with a letter, and not the reserved gl"

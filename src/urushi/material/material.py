@@ -70,7 +70,7 @@ class Material:
 
     def __post_init__(self) -> None:
         latents = _numbers(self.latents, np.float32, "latents")
-        channels = max(len(np.atleast_1d(latents)), 1)
+        channels = max(len(latents), 1) if latents.ndim == 2 else 1
         checked: dict[str, Any] = {
             "latents": _checked(latents, (channels, self.model.arch.latent), "latents"),
             "beside_lobe": bool(self.beside_lobe) and self.table is not None,

@@ -59,10 +59,9 @@ def as_source(source: Any) -> Source:
     Raises:
         ParameterError: the source cannot be encoded.
     """
-    if callable(getattr(source, "f", None)):
-        return Source(source.f)
-    if callable(source) and not isinstance(source, type):
-        return Source(source)
+    for f in (getattr(source, "f", None), source):
+        if callable(f) and not isinstance(source, type):
+            return Source(f)
     raise ParameterError(
         f"cannot encode {type(source).__name__}; give a conductor, dielectric, diffuse, Stack, "
         "Material, measured or Mitsuba BRDF, or a function f(wi, wo) -> (N, 3)"
