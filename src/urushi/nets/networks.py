@@ -186,8 +186,7 @@ class Networks(NamedTuple):
 
     def g_at_all(self, z: np.ndarray, functions: Functions) -> np.ndarray:
         """g (S, P) [1/sr] of all codes z (S, L) at the functions of the same pairs."""
-        _, stretch = self.basis.split(z)
-        result = np.empty((len(z), len(functions(float(stretch[0])))), np.float32)
+        result = np.empty((len(z), len(functions.wi)), np.float32)
         for rows, numbers, own in self.basis.groups(z[:, self.arch.lobe :]):
             result[rows] = basis.decode(numbers[:, None], functions(own))
         return result
