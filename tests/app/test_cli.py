@@ -108,12 +108,13 @@ def test_ctrl_c_that_another_error_wraps(kind, monkeypatch, capsys):
     assert capsys.readouterr().err.startswith("urushi: interrupted; nothing half-written")
 
 
-def test_ctrl_c_while_python_imports():
+@pytest.mark.parametrize("module", ["threading", "urushi"])  # the first import and the longest
+def test_ctrl_c_while_python_imports(module):
     run = process(
         "import urushi_command",
         "class Interrupts:",
         "    def find_spec(self, name, *_):",
-        "        if name == 'urushi': signal.raise_signal(signal.SIGINT)",
+        f"        if name == '{module}': signal.raise_signal(signal.SIGINT)",
         "sys.meta_path.insert(0, Interrupts())",
         "sys.exit(urushi_command.main())",
     )
