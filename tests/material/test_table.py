@@ -8,6 +8,7 @@ from tests.directions import above, at_cosines
 from tests.material.conftest import error, two_lobes, velvet
 
 from urushi.core.direction_sets import cosine_pairs
+from urushi.core.quadrature import POLAR_NODES, directional_albedos
 from urushi.core.table import SHAPE, interpolated
 from urushi.errors import ParameterError
 from urushi.material import Material, encode, layer
@@ -64,6 +65,14 @@ def test_about_as_much_light_as_the_source(model):
     source = rule.albedo(velvet(rule.wi, rule.wo)[:, 1])
     at = np.interp(wi[:, 2], rule.directions[::-1, 2], source[::-1])
     assert (shiny.directional_albedo(wi)[:, 0] <= at + 0.01).all()
+
+
+@pytest.mark.parametrize("g", [-0.8, -0.9, -0.95])
+def test_the_albedo_of_a_backward_peak_is_the_integral_of_f(model, g):
+    medium = layer(dielectric(0.3, 1.0), encode(diffuse(0.3), model), sigma_t=2, albedo=1, g=g)
+    wi = at_cosines(np.linspace(0.3, 1, 6))
+    expected = directional_albedos(medium.f, wi, polar=8 * POLAR_NODES)
+    np.testing.assert_allclose(medium.directional_albedo(wi), expected, atol=0.006)
 
 
 def test_the_same_alone_and_among_many(tabulated, model):

@@ -12,7 +12,7 @@ from urushi.checks import CoatParameters
 from urushi.core.directions import rotated
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import NUMPY, components, stacked
-from urushi.core.quadrature import directional_albedos
+from urushi.core.quadrature import EDGE_NODES, directional_albedos
 from urushi.core.table import MAX_LOG, MIN_LOG, SHAPE, interpolated
 from urushi.errors import FileError, ParameterError
 from urushi.export.program import material_text, texture_form
@@ -27,6 +27,10 @@ FORMAT_VERSION = 3
 
 #: Directions whose albedo is integrated at once, over 1536 others each, or more.
 ALBEDO_BLOCK = 16
+
+#: A table has a backward peak if ln f at wo = wi is above ln f at this difference angle, 20 degrees,
+#: by more than this. Media without an interface reach 3.5 for g = -0.8.
+PEAK_NODE, PEAK = 8, 3.0
 
 
 class Coating(NamedTuple):
@@ -215,8 +219,8 @@ class Material:
 
         wi: (N, 3) unit vectors. Returns float32 (N, C), zero where wi is below the horizon. It is
             computed by a fixed quadrature of 1536 directions per wi, with an error of about 0.001;
-            of four times as many for anisotropic materials, and again for indices below one.
-            Backward peaks of media without an interface, of g below -0.8, are too narrow for it.
+            of four times as many for anisotropic materials, and again for indices below one and
+            for backward peaks of media, of g down to -0.95.
 
         Raises:
             ParameterError: wrong shape, or directions that are not unit vectors.
@@ -225,6 +229,8 @@ class Material:
         albedo = np.zeros((len(wi), self.channels), np.float32)
         above = np.flatnonzero(wi[:, 2] > 0.0)
         polar = transmittance.polar_nodes(self.latents[:, : self.model.arch.lobe])
+        if self.table is not None and (self.table[:, 0] - self.table[:, PEAK_NODE]).max() > PEAK:
+            polar = EDGE_NODES
         for start in range(0, len(above), ALBEDO_BLOCK):
             rows = above[start : start + ALBEDO_BLOCK]
             albedo[rows] = directional_albedos(
