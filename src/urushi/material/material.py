@@ -28,8 +28,8 @@ FORMAT_VERSION = 3
 #: Directions whose albedo is integrated at once, over 1536 others each, or more.
 ALBEDO_BLOCK = 16
 
-#: A table has a backward peak if ln f at wo = wi is above ln f at this difference angle, 20 degrees,
-#: by more than this. Media without an interface reach 3.5 for g = -0.8.
+#: A table has a backward peak if ln f at wo = wi is above ln f at this node of the difference
+#: angle, 21 degrees, by more than this. Media without an interface reach 3.5 for g = -0.8.
 PEAK_NODE, PEAK = 8, 3.0
 
 

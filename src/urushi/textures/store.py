@@ -19,6 +19,9 @@ KIND, FORMAT_VERSION = "texture", 4
 #: Names in files of the arrays of a `Texture`.
 ARRAYS = ("texels", "lowest", "step")
 
+#: Largest number of codes in a texel of a file.
+MOST_CHANNELS = 64
+
 #: The place of texels in files: over the unit square of uv, which repeats.
 PLACE = {"to_texture": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "wrap": "repeat", "nearest": False}
 
@@ -87,9 +90,36 @@ def read_texture(
         texture = Texture(TexelLayout(**entries), *(arrays[name] for name in ARRAYS))
         if min(grid.width, grid.height) < 1 or len(texture.bytes) != grid.texels:
             raise ValueError(f"its {len(texture.bytes)} texels do not fill its grid")
+        _check(texture, grid, model)
     except (KeyError, TypeError, ValueError) as error:
         raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error
     return texture, grid, model
+
+
+def _check(texture: Texture, grid: TexelGrid, model: Model) -> None:
+    """Raise ValueError unless a texture has a valid layout for codes of a model, and fits it."""
+    layout, size = texture.layout, model.arch.latent
+    numbers = (layout.channels, layout.size, layout.shared, layout.stride, layout.texel_bytes)
+    places = (*layout.high, *layout.low)
+    if not all(type(x) is int for x in (*grid, *numbers, *places)):
+        raise ValueError("its sizes or places are not whole numbers")
+    lengths = {len(part) for part in (layout.high, layout.low, layout.same)}
+    ends = [(layout.shared if same else layout.stride) for same in layout.same] * 2
+    if (
+        (layout.size, lengths) != (size, {size})
+        or not 1 <= layout.channels <= MOST_CHANNELS
+        or min(layout.shared, layout.stride) < 0
+        or not all(-1 <= place < end for place, end in zip(places, ends, strict=True))
+        or layout.used_bytes > layout.texel_bytes
+    ):
+        raise ValueError(f"its layout is not one of codes of {size} numbers")
+    for array, dtype, shape in (
+        (texture.bytes, np.uint8, (len(texture.bytes), layout.texel_bytes)),
+        (texture.lowest, np.float32, (size,)),
+        (texture.step, np.float32, (size,)),
+    ):
+        if array.dtype != dtype or array.shape != shape or not np.isfinite(array).all():
+            raise ValueError("its arrays do not have the types and shapes of its layout")
 
 
 def _checksum(description: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> int:

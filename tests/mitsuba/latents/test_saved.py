@@ -11,7 +11,7 @@ from tests.mitsuba.probes import bitmap
 
 import urushi
 from urushi import files
-from urushi.errors import UrushiWarning
+from urushi.errors import FileError, UrushiWarning
 from urushi.mitsuba.reading import probing
 from urushi.nets import weights
 from urushi.textures.store import TexelGrid, read_texture, write_texture
@@ -151,6 +151,31 @@ def test_a_whole_file_whose_texels_do_not_fill_its_grid_is_refused(rgb, shipped,
     write_texture(path, texture, grid._replace(**size), model.fingerprint)
     with pytest.raises(RuntimeError, match="FileError: .* is damaged .*do not fill its grid"):
         loaded(path, shipped)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda whole: {"bytes": whole.bytes[:, :-1]},
+        lambda whole: {"bytes": whole.bytes.astype(np.float32)},
+        lambda whole: {"lowest": whole.lowest[:-1]},
+        lambda whole: {"step": whole.step * np.float32(np.nan)},
+        lambda whole: {"layout": whole.layout._replace(stride=400)},
+        lambda whole: {"layout": whole.layout._replace(low=(1000,) * whole.layout.size)},
+        lambda whole: {"layout": whole.layout._replace(high=whole.layout.high[1:])},
+        lambda whole: {"layout": whole.layout._replace(same=("yes",))},
+        lambda whole: {"layout": whole.layout._replace(channels=2.5)},
+        lambda whole: {"layout": whole.layout._replace(channels=10**9, stride=0)},
+        lambda whole: {"layout": whole.layout._replace(high=3)},
+    ],
+)
+def test_a_texture_that_does_not_fit_its_layout_is_refused(rgb, shipped, saved, change):
+    """Though the checksum of the file is right."""
+    _, path = saved
+    texture, grid, model = read_texture(path, weights.find(shipped))
+    write_texture(path, texture._replace(**change(texture)), grid, model.fingerprint)
+    with pytest.raises(FileError, match="the texture file .* is damaged .*; save it again"):
+        read_texture(path, weights.find(shipped))
 
 
 def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
