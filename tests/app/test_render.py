@@ -68,6 +68,32 @@ def test_flags(scene, tmp_path):
     np.testing.assert_allclose(image, 0.25, rtol=1e-3)
 
 
+def test_channels_have_their_names(tmp_path):
+    """As of Mitsuba's executable, in order; EXR files sort them."""
+    path = tmp_path / "scene.xml"
+    nested = '<integrator name="nested" type="direct"/></integrator>'
+    path.write_text(DEPTHS.replace("</integrator>", nested))
+    assert cli.main(["render", str(path), "--spp", "5"]) == 0
+    picture = mi.Bitmap(str(path.with_suffix(".exr")))
+    assert np.array(picture.split()[0][1]).mean() == pytest.approx(0.5, rel=1e-3)
+    names = [channel.name for channel in picture.struct_()]
+    assert sorted(names) == ["B", "G", "R", "d.T", *(f"nested.{x}" for x in "ABGR")]
+
+
+def test_a_film_of_xyz_has_the_same_colours(tmp_path):
+    """In files that hold RGB."""
+    pictures = []
+    for colours in ("rgb", "xyz"):
+        path = tmp_path / f"{colours}.xml"
+        text = SCENE.replace('"$grey"', '"0.2, 0.4, 0.7"')
+        option = f'<string name="pixel_format" value="{colours}"/>'
+        film = '<film type="hdrfilm">'
+        path.write_text(text.replace(film, film + option))
+        assert cli.main(["render", str(path), "-o", str(path.with_suffix(".png"))]) == 0
+        pictures.append(np.array(mi.Bitmap(str(path.with_suffix(".png"))), int))
+    assert np.abs(pictures[0] - pictures[1]).max() <= 1
+
+
 @pytest.mark.parametrize("flags", [["-t", "1"], []], ids=["asked for", "one core"])
 def test_one_thread_reads_and_writes_exr_files(flags, scene, tmp_path):
     """Mitsuba waits for ever if it has one thread at that time."""

@@ -99,20 +99,20 @@ class Render:
             )
         in_bytes = target.suffix.lower() != ".exr"
         with atomic_write(target) as temporary:  # it fails before a picture is rendered
-            image = self._picture(path, definitions, name, only_colours=in_bytes)
+            bitmap = self._picture(path, definitions, name, only_colours=in_bytes)
             import mitsuba as mi
 
             if in_bytes:  # Mitsuba's conversion to bytes turns thousands into black
-                image = np.minimum(image, 1)
-            bitmap = mi.util.convert_to_bitmap(image.astype(np.float32), in_bytes)
+                linear = bitmap.convert(mi.Bitmap.PixelFormat.RGB, srgb_gamma=False)
+                bitmap = mi.util.convert_to_bitmap(np.minimum(linear, 1))
             bitmap.write(str(temporary))
         print(target)
         return 0
 
     def _picture(
         self, path: Path, definitions: dict[str, str], name: str | None, only_colours: bool
-    ) -> np.ndarray:
-        """The picture of a scene file, of `load_scene`; only_colours: refuse other channels."""
+    ) -> Any:
+        """The picture (`mi.Bitmap`) of a scene file; only_colours: refuse other channels."""
         set_variant(self.mode)
         import drjit as dr
 
@@ -157,30 +157,39 @@ def passes(
     the samples that remain of `spp`. title: of the progress bar, which only a terminal shows.
 
     Yields:
-        float64 (H, W, C), and the number of its samples per pixel.
+        float64 (H, W, C), and the number of its samples per pixel. Channels are the film's.
     """
     import mitsuba as mi
 
+    film = scene.sensors()[sensor].film()
+    more = bool(scene.integrator().aov_names())  # `mi.render` returns some of them only
     with tqdm(total=spp, desc=title, unit=" spp", disable=None) as progress:
         for index, first in enumerate(range(0, spp, step)):
             samples = min(step, spp - first)
             own = int(np.random.SeedSequence(seed, spawn_key=(index,)).generate_state(1)[0])
             picture = mi.render(scene, sensor=sensor, spp=samples, seed=own)
-            yield np.array(picture, np.float64), samples
+            yield np.array(film.bitmap() if more else picture, np.float64), samples
             progress.update(samples)
 
 
-def rendered(scene: Any, sensor: int, spp: int, seed: int, rays: int) -> np.ndarray:
-    """The picture (H, W, C) of `spp` samples per pixel, the mean over its passes.
+def rendered(scene: Any, sensor: int, spp: int, seed: int, rays: int) -> Any:
+    """The picture (`mi.Bitmap`) of `spp` samples per pixel, the mean over its passes.
 
-    It depends only on the arguments. rays: of the camera in a pass, at most.
+    It depends only on the arguments; but a scene that is loaded again has other noise, because
+    Mitsuba merges its meshes in an order of chance. rays: of the camera in a pass, at most.
     """
-    width, height = scene.sensors()[sensor].film().crop_size()
+    import mitsuba as mi
+
+    film = scene.sensors()[sensor].film()
+    width, height = film.crop_size()
     step = 1  # a power of four, which no sampler of Mitsuba rounds
     while 4 * step * width * height <= rays:
         step *= 4
     parts = passes(scene, spp, seed, step, sensor=sensor)
-    return sum((picture * samples for picture, samples in parts), start=np.zeros(())) / spp
+    mean = sum((picture * samples for picture, samples in parts), start=np.zeros(())) / spp
+    form = film.bitmap()
+    names = [channel.name for channel in form.struct_()]
+    return mi.Bitmap(mean.astype(np.float32), form.pixel_format(), names)
 
 
 def load_scene(
