@@ -5,7 +5,9 @@ import io
 import os
 import re
 import stat
+import tempfile
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ import pytest
 from urushi.errors import FileError, ParameterError
 from urushi.files import (
     atomic_write,
+    check_file,
     is_file,
     new_folder,
     read_npz,
@@ -126,6 +129,31 @@ def test_folders_and_other_suffixes_are_refused(tmp_path):
     with pytest.raises(ParameterError, match=r"x.txt' does not end in .safetensors"):
         write_tensors(tmp_path / "x.txt", "material", {}, {})
     assert not list(tmp_path.iterdir())
+
+
+@pytest.fixture
+def other_user():
+    """Without the permissions of root."""
+    user = os.geteuid()
+    os.seteuid(user or 65534)
+    yield
+    os.seteuid(user)
+
+
+@pytest.mark.parametrize("private", ["file", "folder"])
+def test_what_may_not_be_read_is_not_called_missing(private, other_user):
+    with tempfile.TemporaryDirectory() as folder:
+        path, place = Path(folder, "private.safetensors"), Path(folder)
+        write_tensors(path, "weights", {}, {"a": np.zeros(1)})
+        (path if private == "file" else place).chmod(0)
+        for read in (
+            lambda: check_file(path, "missing"),
+            lambda: read_tensors(path, "weights"),
+            lambda: read_npz(path, "a"),
+        ):
+            with pytest.raises(FileError, match="cannot read .*private.*: Permission denied; ch"):
+                read()
+        place.chmod(0o700)
 
 
 def test_archives_of_other_content_are_refused(tmp_path):

@@ -6,6 +6,7 @@ Urushi's files are safetensors files with named arrays and one JSON description.
 import contextlib
 import json
 import os
+import stat
 import tempfile
 import zipfile
 import zlib
@@ -52,6 +53,24 @@ def is_file(path: str | os.PathLike) -> bool:
         return Path(path).is_file()
     except OSError:
         return False
+
+
+def check_file(path: Path, otherwise: str) -> None:
+    """Raise FileError unless a path is that of a file that can be read.
+
+    otherwise: the error's sentence, unless permissions are what is missing.
+    """
+    try:
+        if stat.S_ISREG(path.stat().st_mode):
+            with path.open("rb"):
+                return
+    except PermissionError as error:
+        raise FileError(
+            f"cannot read '{path}': {error.strerror}; check the path and its permissions"
+        ) from error
+    except OSError:
+        pass
+    raise FileError(otherwise)
 
 
 @contextlib.contextmanager
@@ -158,6 +177,7 @@ def read_tensors(
         size = source.stat().st_size
         if source.is_dir():
             raise FileError(f"'{source}' is a folder; give a {kind} file")
+        source.open("rb").close()  # a library's error for a private file is that of a missing one
         with safetensors.safe_open(source, framework="numpy") as file:
             metadata = file.metadata() or {}
             stored = list(file.keys())
@@ -169,7 +189,9 @@ def read_tensors(
         raise
     except OSError as error:
         reason = error.strerror or error
-        raise FileError(f"cannot read the {kind} file '{source}': {reason}") from error
+        raise FileError(
+            f"cannot read the {kind} file '{source}': {reason}; check the path and its permissions"
+        ) from error
     except (safetensors.SafetensorError, AttributeError, TypeError, ValueError) as error:
         raise FileError(
             f"'{source}' ({size} bytes) is not a valid {kind} file or is truncated ({error}); "
@@ -209,8 +231,10 @@ def read_npz(path: str | os.PathLike, *names: str) -> list[np.ndarray]:
         if not all(isinstance(array, np.ndarray) for array in arrays.values()):
             raise ValueError(path)
     except NO_ARCHIVE as error:
-        reason = getattr(error, "strerror", None) or "it is not an NPZ file"
-        raise FileError(f"cannot read '{source}': {reason}; write it with numpy.savez") from error
+        reason = "it is not an NPZ file; write it with numpy.savez"
+        if strerror := getattr(error, "strerror", None):
+            reason = f"{strerror}; check the path and its permissions"
+        raise FileError(f"cannot read '{source}': {reason}") from error
     for name in names:
         if name not in arrays:
             wanted = f"array{'s' * (len(names) > 1)} {' and '.join(names)}"

@@ -173,8 +173,8 @@ def test_a_file_that_may_not_be_looked_at_is_one_sentence(monkeypatch, capsys):
     ):
         monkeypatch.setattr(Doctor, "run", mock.Mock(side_effect=failure))
         assert cli.main(["doctor"]) == cli.FAILURE
-        error = capsys.readouterr().err
-        assert error.startswith(f"urushi: {sentence}") and error.count("\n") == 1
+        output, error = capsys.readouterr()
+        assert error.startswith(f"urushi: {sentence}") and error.count("\n") == 1 and not output
 
 
 def test_a_command_without_standard_error_works(tmp_path):

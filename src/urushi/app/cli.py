@@ -105,6 +105,9 @@ def main(
         print("urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
         return INTERRUPTED
     except OSError as error:
+        if error.filename is not None:
+            place = f"cannot use '{error.filename}': {error.strerror}"
+            return _failed(f"{place}; check the path and its permissions")
         try:
             print(flush=True)  # is it standard output that fails?
         except OSError:
@@ -115,10 +118,7 @@ def main(
                 f"cannot write to standard output: {error.strerror}; free some space or send it "
                 "elsewhere"
             )
-        if error.filename is None:
-            raise
-        place = f"cannot use '{error.filename}': {error.strerror}"
-        return _failed(f"{place}; check the path and its permissions")
+        raise
 
 
 def _failed(sentence: str) -> int:

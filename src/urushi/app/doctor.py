@@ -90,6 +90,8 @@ def _variant(name: str) -> Finding:
         run = subprocess.run(probe, capture_output=True, text=True, timeout=_TIMEOUT)
     except subprocess.TimeoutExpired:
         return Finding(label, "not usable", f"no answer in {_TIMEOUT} seconds", essential)
+    except OSError as error:
+        return Finding(label, "not usable", f"{sys.executable}: {error.strerror}", essential)
     if run.returncode == 0:
         return Finding(label, "usable", essential=essential)
     reason = (run.stderr.strip().splitlines() or [f"exit code {run.returncode}"])[-1]

@@ -12,8 +12,8 @@ from tqdm import tqdm
 
 from urushi.app.describe import describe, is_description
 from urushi.checks import DEFAULT_COAT
-from urushi.errors import FileError, ParameterError, UrushiError
-from urushi.files import SUFFIX, is_file, new_folder, tensor_file_kind
+from urushi.errors import ParameterError, UrushiError
+from urushi.files import SUFFIX, check_file, new_folder, tensor_file_kind
 
 if TYPE_CHECKING:
     from urushi.material import Material
@@ -153,11 +153,11 @@ def opened(text: str, bsdfs: Callable[[Path], Sequence[Any]] = scene_bsdfs) -> A
     if is_description(text):
         return describe(text)
     path, name = scene_and_bsdf(text)
-    if not is_file(path):
-        raise FileError(
-            f"'{path}' is neither a file nor a description; give a measured BRDF or a Mitsuba "
-            'scene file, or write for example "conductor(alpha=0.2, r0=0.9)"'
-        )
+    check_file(
+        path,
+        f"'{path}' is neither a file nor a description; give a measured BRDF or a Mitsuba scene "
+        'file, or write for example "conductor(alpha=0.2, r0=0.9)"',
+    )
     return choose(bsdfs(path), name, path) if path.suffix == ".xml" else load_measured(path)
 
 

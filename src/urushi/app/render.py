@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from urushi import platform
 from urushi.errors import FileError, ParameterError, PlatformError
-from urushi.files import atomic_write, is_file, new_folder
+from urushi.files import atomic_write, check_file, is_file, new_folder
 from urushi.ranges import Index, Pixels, Samples, Seed, Threads
 
 SUFFIXES = (".exr", ".png", ".jpg")
@@ -217,8 +217,7 @@ def load_scene(
     """
     import mitsuba as mi
 
-    if not is_file(path):
-        raise FileError(f"scene file '{path}' does not exist")
+    check_file(path, f"scene file '{path}' does not exist")
     if weights is not None and is_file(weights):
         weights = str(Path(weights).absolute())  # Mitsuba searches the scene's folder
     resolver = mi.file_resolver()

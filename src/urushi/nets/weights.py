@@ -242,10 +242,9 @@ def find(given: Weights | None) -> Model:
     if given is None or str(given) in (DEFAULT, ANISOTROPIC):
         return shipped(DEFAULT if given is None else str(given))
     path = files.as_path(given)
-    if not files.is_file(path):
-        raise FileError(
-            f"there are no weights '{given}'; give a file, or '{DEFAULT}' for the shipped ones"
-        )
+    files.check_file(
+        path, f"there are no weights '{given}'; give a file, or '{DEFAULT}' for the shipped ones"
+    )
     state = path.stat()
     return _read_once(str(path.absolute()), state.st_mtime_ns, state.st_size)
 
