@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 import drjit as dr
 
 from urushi.core import microfacet
-from urushi.core.directions import from_cosine
 from urushi.walk import interface
 from urushi.walk.bottoms import Bottom
 from urushi.walk.interface import flip
-from urushi.walk.medium import hg, sample_hg_cosine
+from urushi.walk.medium import hg, sample_hg
 from urushi.walk.spectral_mis import greatest
 from urushi.walk.walk import Layers
 
@@ -121,7 +120,7 @@ class Scattering:
         u = rng.next_float32(), rng.next_float32(), rng.next_float32()
         top, low, inner = self._places(v)
         albedo, _, g = self.layers.medium(v.layer)
-        w = from_cosine(v.w, sample_hg_cosine(g, u[1]), 2 * dr.pi * u[2])
+        w = sample_hg(v.w, g, u[1], u[2])
         weight = albedo
         alpha, eta = self.layers.interface(self.index(0))
         found, part = interface.sample_reflection(flip(-v.w), alpha, 1 / eta, u[1], u[2])

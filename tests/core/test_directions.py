@@ -21,13 +21,13 @@ VECTORS = np.random.default_rng(0).normal(size=(50, 3)).astype(np.float32)
 PAIRS = directions_at(*ANGLES)
 
 
-def test_from_cosine_keeps_the_angle_to_the_axis(jit) -> None:
+def test_from_versine_keeps_the_angle_to_the_axis(jit) -> None:
     """Of any axis, also along the normal. Interfaces test reflection and refraction."""
     v = np.random.default_rng(7).normal(size=(3, 1000)).astype(np.float32)
     v[:, 500:502] = [[0, 0], [0, 0], [1, -1]]
     axis, cos = v / np.linalg.norm(v, axis=0), np.linspace(-1, 1, 1000, dtype=np.float32)
     phi = jit.Float(np.linspace(0, 40, 1000, dtype=np.float32))
-    w = directions.from_cosine(jit.Array3f(axis), jit.Float(cos), phi).numpy()
+    w = directions.from_versine(jit.Array3f(axis), jit.Float(1 - cos), phi).numpy()
     np.testing.assert_allclose(np.sum(w * axis, axis=0), cos, atol=1e-6)
     np.testing.assert_allclose(np.linalg.norm(w, axis=0), 1, atol=1e-6)
 

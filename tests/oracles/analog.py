@@ -14,11 +14,11 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.core import fresnel, microfacet
-from urushi.core.directions import from_cosine, reflect, refract
+from urushi.core.directions import reflect, refract
 from urushi.walk import Stack
 from urushi.walk.bottoms import Bottom
 from urushi.walk.bottoms.dielectric import Reflector
-from urushi.walk.medium import sample_hg_cosine
+from urushi.walk.medium import sample_hg
 from urushi.walk.monte_carlo import average, per_channel
 
 
@@ -78,8 +78,7 @@ def _event(layers: Any, bottom: Bottom, w: Any, layer: Any, depth: Any, rng: Any
     collision = dr.clip(depth - flight * w.z, 0, 1)
     at_bottom = ~collides & down & (layer == layers.count - 1)
 
-    cos_theta = sample_hg_cosine(g, rng.next_float32())
-    scattered = from_cosine(w, cos_theta, 2 * dr.pi * rng.next_float32())
+    scattered = sample_hg(w, g, rng.next_float32(), rng.next_float32())
     survives = rng.next_float32() < albedo
 
     u = rng.next_float32(), rng.next_float32(), rng.next_float32()

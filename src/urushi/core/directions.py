@@ -39,12 +39,17 @@ def coordinate_system(n):
     return s, t
 
 
-def from_cosine(axis, cos_theta, phi):
-    """The unit vector at angle acos(`cos_theta`) from `axis` and azimuth `phi` about it."""
-    sin_theta = dr.safe_sqrt(1 - cos_theta * cos_theta)
+def from_versine(axis, versine, phi):
+    """The unit vector at an angle from `axis` of 1 - cos = `versine` and azimuth `phi` about it.
+
+    Small angles would be lost in their cosine.
+    """
+    sin_theta = dr.safe_sqrt(versine * (2 - versine))
     sin_phi, cos_phi = dr.sincos(phi)
     s, t = coordinate_system(axis)
-    return dr.normalize(s * (sin_theta * cos_phi) + t * (sin_theta * sin_phi) + axis * cos_theta)
+    return dr.normalize(
+        s * (sin_theta * cos_phi) + t * (sin_theta * sin_phi) + axis * (1 - versine)
+    )
 
 
 def square_to_cosine_hemisphere(vector, u1, u2, xp=DRJIT):

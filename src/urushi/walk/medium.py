@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import drjit as dr
 
+from urushi.core.directions import from_versine
 from urushi.core.namespace import DRJIT
 from urushi.walk import spectral_mis
 
@@ -82,12 +83,24 @@ def hg(cos_theta, g, xp=DRJIT):
     return (0.25 / dr.pi) * (1 - g * g) / (base * xp.sqrt(base))
 
 
-def sample_hg_cosine(g, u):
-    """Sample the cosine between the propagation directions, by inversion; `u` in [0, 1)."""
-    x = 2 * u - 1
-    flat = dr.abs(g) < 1e-3
-    safe_g = dr.select(flat, 1, g)
-    s = (1 - g * g) / (1 + g * x)
-    cosine = (1 + g * g - s * s) / (2 * safe_g)
-    # The first-order expansion in g avoids 0 / 0 near isotropy.
-    return dr.clip(dr.select(flat, x + 1.5 * g * (1 - x * x), cosine), -1, 1)
+def hg_between(w, direction, g):
+    """`hg` between two propagation directions, exact in the sharpest peak.
+
+    There, single precision would round their cosine to 1.
+    """
+    size = dr.abs(g)
+    near, far = dr.squared_norm(direction - w), dr.squared_norm(direction + w)
+    base = dr.square(1 - size) + dr.select(g > 0, size * near, size * far)
+    return (0.25 / dr.pi) * (1 - g * g) / (base * dr.sqrt(base))
+
+
+def sample_hg(w, g, u1, u2):
+    """Sample a direction after w, by inversion; `u1`, `u2` in [0, 1)."""
+    # About w or, for g < 0, about -w, in terms that do not cancel: with x = 2 u1 - 1,
+    # s = (1 - g^2) / (1 + g x) and cos = (1 + g^2 - s^2) / (2 g).
+    size, forwards = dr.abs(g), g >= 0
+    low, high = 2 * dr.select(forwards, u1, 1 - u1), 2 * dr.select(forwards, 1 - u1, u1)
+    least = 1 - size
+    relative = least / (least + size * low)
+    versine = 0.5 * relative * high * (relative * (1 + size) + least)
+    return from_versine(dr.select(forwards, w, -w), dr.minimum(versine, 2), 2 * dr.pi * u2)

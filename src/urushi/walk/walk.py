@@ -22,12 +22,12 @@ from typing import Any, NamedTuple, Protocol
 
 import drjit as dr
 
-from urushi.core.directions import from_cosine, square_to_cosine_hemisphere
+from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.walk import interface, spectral_mis
 from urushi.walk.bottoms import Bottom
 from urushi.walk.exits import ExitPath, ExitPaths, select
 from urushi.walk.interface import flip
-from urushi.walk.medium import ROULETTE_THRESHOLD, SHEET_DEPTH, Medium, hg, sample_hg_cosine
+from urushi.walk.medium import ROULETTE_THRESHOLD, SHEET_DEPTH, Medium, hg_between, sample_hg
 
 
 class Layers(Protocol):
@@ -245,15 +245,14 @@ def medium_event(
     def density(direction: Any) -> Any:
         share = dr.select(direction.z > 0, rises, 1 - rises)
         diffuse = share * (dr.abs(direction.z) / dr.pi)
-        return dr.select(at_sheet, diffuse, hg(dr.dot(w, direction), here.g))
+        return dr.select(at_sheet, diffuse, hg_between(w, direction, here.g))
 
     throughput = place.throughput * here.albedo
     towards_exit = density(path.direction)
     connected = throughput * towards_exit * here.transmittance(place.depth, path.direction.z)
     connected *= path.weight / path.direction.z
     contribution = connected * path.mis(spectral_mis.mixture(towards_exit, place.mixing, hero))
-    cos_theta = sample_hg_cosine(spectral_mis.of_hero(here.g, hero), u[1])
-    direction = from_cosine(w, cos_theta, 2 * dr.pi * u[2])
+    direction = sample_hg(w, spectral_mis.of_hero(here.g, hero), u[1], u[2])
     diffuse = square_to_cosine_hemisphere(type(w), u[1], u[2])
     diffuse = dr.select(u[0] < spectral_mis.of_hero(rises, hero), diffuse, flip(diffuse))
     direction = dr.select(at_sheet, diffuse, direction)
