@@ -25,6 +25,10 @@ MAX_DEPTH = 1e6
 ETA_RANGE = (0.5, 3.0)
 LEAST_ETA_BELOW = 1 / ETA_RANGE[1]
 
+#: Larger indices of metals count as this one, which reflects all light but 4e-6 of it. The fourth
+#: powers of indices need a place in single precision.
+MAX_INDEX = 1e6
+
 #: Indices of refraction of air, and of borosilicate glass (BK7), the default of coats.
 AIR, GLASS = 1.000277, 1.5046
 

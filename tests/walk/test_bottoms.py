@@ -10,7 +10,7 @@ from urushi.core.directions import square_to_cosine_hemisphere
 from urushi.core.random import stream
 from urushi.measured import Merl, tabulated
 from urushi.train.distribution import Extended
-from urushi.walk import conductor
+from urushi.walk import analytic, conductor
 from urushi.walk.bottoms import KINDS
 from urushi.walk.bottoms.conductor import SchlickConductor
 from urushi.walk.bottoms.measured_like import MeasuredLike
@@ -65,6 +65,16 @@ def test_samples_follow_their_density_and_integrate_the_brdf(jit, kind, theta):
         assert abs(values.mean() - succeeded.mean()) < error
         if kind == "measured":  # its lobes, which are fitted, follow the table
             assert estimates[1].std() < 0.5 * estimates[1].mean()
+
+
+@pytest.mark.parametrize(("eta", "k"), [(0, 1e10), (1e15, 0), (1e300, (1, 1e12, 1e38))])
+def test_metals_of_huge_indices_reflect_all_light(eta, k):
+    wi, wo = pairs_above(100, 0)
+    found, white = (
+        analytic.f(conductor(0.1, **fresnel), wi, wo)
+        for fresnel in ({"eta": eta, "k": k}, {"r0": 1})
+    )
+    np.testing.assert_allclose(found, white, rtol=1e-3)  # 4 / (eta cos) at grazing angles
 
 
 def test_lobes_of_special_exponents_are_those_of_conductors(jit):

@@ -14,7 +14,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import MIN_ALPHA
+from urushi.checks import MAX_INDEX, MIN_ALPHA
 from urushi.errors import ParameterError
 from urushi.material.symmetry import (
     AZIMUTHS,
@@ -276,6 +276,7 @@ def _conductor_lobes(textures: Mapping[str, "mi.Texture"], si) -> list[list]:
         # Mitsuba's metal "none" has the index 0 and reflects all light.
         exact = eta > 0
         schlick = dr.select(exact, 0, reflectance)
+        eta, k = (dr.minimum(x, MAX_INDEX) for x in (eta, k))
         index = dr.select(exact, eta, NO_LOBE[4]), dr.select(exact, k, 0)
         factors = schlick, schlick, dr.select(exact, reflectance, 0)
         found.append([alpha, *factors, *index, *across])

@@ -38,8 +38,9 @@ class Conductor(bottom.Rough, bottom.Description):
         if self.r0 is not None and self.eta is None and self.k is None:
             bottom.store(self, "r0", checks.reflectance(self.r0, "the conductor's r0"))
         elif self.r0 is None and self.eta is not None and self.k is not None:
-            bottom.store(self, "eta", checks.nonnegative(self.eta, "the conductor's eta"))
-            bottom.store(self, "k", checks.nonnegative(self.k, "the conductor's k"))
+            for name in ("eta", "k"):
+                index = checks.nonnegative(getattr(self, name), f"the conductor's {name}")
+                bottom.store(self, name, np.minimum(index, checks.MAX_INDEX))
         else:
             raise ParameterError(
                 "a conductor needs either r0 (Schlick) or both eta and k (complex index of "
