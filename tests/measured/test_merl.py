@@ -46,7 +46,7 @@ def test_values_are_those_of_the_analytic_brdf(analytic):
 
 
 def test_f_is_exactly_reciprocal_and_isotropic(analytic, monkeypatch):
-    """And does not depend on the chunks in which it is computed."""
+    """And does not depend on the blocks in which it is computed."""
     wi, wo = above(5000, 3), above(5000, 4)
     wi[0], wo[0] = (0, 0, 1), (0, 0, 1)
     f = analytic.f(wi, wo)
@@ -54,7 +54,7 @@ def test_f_is_exactly_reciprocal_and_isotropic(analytic, monkeypatch):
     turn = np.array([[0.6, 0.8, 0], [-0.8, 0.6, 0], [0, 0, 1]])
     # Rounding of the turned float32 directions, where f is steepest.
     np.testing.assert_allclose(analytic.f(wi @ turn, wo @ turn), f, rtol=1e-3)
-    monkeypatch.setattr(tabulated, "CHUNK", 100)
+    monkeypatch.setattr(tabulated, "NUMBERS", 300)
     np.testing.assert_array_equal(analytic.f(wi, wo), f)
 
 

@@ -17,13 +17,14 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.core.directions import above_horizon, directions_at, half_difference
 from urushi.core.namespace import NUMPY, components
+from urushi.parallel import fill_blocks
 from urushi.walk.tabulated import Tabulated
 
 #: Numbers of bins along theta_h, theta_d and phi_d.
 Shape = tuple[int, int, int]
 
-#: Numbers that are looked up at once; bounds the memory of a call.
-CHUNK = 1 << 19
+#: Numbers that a core looks up at once: its work on them about fills its cache.
+NUMBERS = 1 << 15
 
 #: Largest value that float32 results hold.
 _LARGEST = float(np.finfo(np.float32).max)
@@ -78,7 +79,7 @@ def evaluate(
     wi: npt.ArrayLike,
     wo: npt.ArrayLike,
 ) -> np.ndarray:
-    """Evaluate a BRDF at pairs, a chunk at a time; zero where a direction is not above the horizon.
+    """Evaluate a BRDF at pairs on all cores; zero where a direction is not above the horizon.
 
     Args:
         lookup: maps exact unit vectors wi, wo, float64 (M, 3), to finite values (M, channels).
@@ -91,11 +92,13 @@ def evaluate(
     wi, wo = checks.directions(wi, wo)
     result = np.zeros((len(wi), channels), np.float32)
     above = np.flatnonzero((wi[:, 2] > 0) & (wo[:, 2] > 0))
-    step = max(1, CHUNK // channels)
-    for start in range(0, len(above), step):
-        rows = above[start : start + step]
-        values = lookup(_unit(wi[rows]), _unit(wo[rows]))
-        result[rows] = np.clip(values, -_LARGEST, _LARGEST)
+
+    def values(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return np.clip(lookup(_unit(wi), _unit(wo)), -_LARGEST, _LARGEST)
+
+    found = np.empty((len(above), channels), np.float32)
+    rows = max(1, NUMBERS // channels)
+    result[above] = fill_blocks(found, values, wi[above], wo[above], rows=rows)
     return result
 
 
