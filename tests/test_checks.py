@@ -52,6 +52,7 @@ def test_negative_zero_becomes_zero():
 
 
 NONSENSE = ["rough", None, object(), [0.1, [0.2]], 0.5j, np.full(3, 0.5 + 1j), 10**400]
+NONSENSE += [np.datetime64(0, "s"), np.timedelta64(0, "s")]
 
 
 @pytest.mark.parametrize("nonsense", NONSENSE)

@@ -88,9 +88,9 @@ NO_NUMBERS = (TypeError, ValueError, OverflowError)
 
 
 def real(value: npt.ArrayLike, dtype: type) -> np.ndarray:
-    """Numbers as an array of a type; TypeError for complex ones, which NumPy would halve."""
-    if np.iscomplexobj(value):
-        raise TypeError("complex numbers")
+    """Numbers as an array of a type; TypeError for dates and complex ones, which NumPy takes."""
+    if np.asarray(value).dtype.kind in "cmM":
+        raise TypeError("complex numbers, dates or durations")
     with np.errstate(over="ignore"):  # to infinity
         return np.asarray(value, dtype)
 
