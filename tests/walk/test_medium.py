@@ -151,3 +151,5 @@ def test_only_deep_media_that_lose_no_light_have_a_diffuser() -> None:
     for albedo, least, deep in ((1, 20, True), (1, 5, False), ((1, 0.9, 1), 20, False)):
         albedo = color(*albedo) if isinstance(albedo, tuple) else color(albedo)
         assert medium.Medium.of(albedo, color(least, 50, 1e4), color(0)).deep[0] == deep
+    deepest = medium.Medium.of(color(1), color(1e6, 0, 10), color(0.5)).sigma_t  # ends, in time
+    np.testing.assert_allclose(deepest.numpy().ravel(), [2 * medium.DEEPEST, 0, 10], rtol=1e-5)

@@ -26,6 +26,10 @@ ROULETTE_THRESHOLD = 0.25
 #: times 1 - g for g > 0.
 KEPT, DEEP = 5.0, 12.0
 
+#: Largest optical depth, times 1 - g for g > 0, of a channel of a colour without a sheet, because
+#: another channel is shallow or absorbs. Deeper ones transmit less than 0.13 %.
+DEEPEST = 1000.0
+
 #: Milne's extrapolation distance of the diffuse field beyond a free surface [transport mean free
 #: paths]. For HG phase functions it differs by at most 0.02.
 MILNE = 0.7104
@@ -59,6 +63,8 @@ class Medium(NamedTuple):
         # MILNE, each Lambertian surface 2/3.
         resistance = 0.75 * (1 - g) * (sigma_t - kept) + 1 - 1.5 * MILNE
         passed = dr.select(deep, 1 / (1 + resistance), 1)
+        if dr.depth_v(type(sigma_t)) > 1:
+            sigma_t = dr.minimum(sigma_t, DEEPEST / reduced)
         return cls(albedo, dr.select(deep, kept, sigma_t), g, scatters, deep, passed)
 
     def transmittance(self, depth: Any, cos_theta: Any) -> Any:
