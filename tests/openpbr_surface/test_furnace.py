@@ -86,6 +86,12 @@ FURNACES = {
         PANE | {"specular_roughness": 0.6, "specular_roughness_anisotropy": 0.9},
         *(0.02, (0.31,), TURNS),
     ),
+    # The albedo changes most towards the wide width, near the edge of total reflection.
+    "brushed glass": Furnace(
+        {"transmission_weight": 1.0, "interior": True, "coat_weight": 0.0, "specular_ior": 2.0}
+        | {"specular_roughness": 0.84, "specular_roughness_anisotropy": 1.0},
+        *(0.02, (0.6, -0.1, -0.3), (*TURNS, 30.0)),
+    ),
 }
 
 

@@ -1,9 +1,8 @@
 """Directional albedos of rough interfaces of two GGX widths, as `albedos` has those of one.
 
 The axes of the tables are the index, the quotient of the larger to the smaller width, the larger
-width, the azimuth and the cosine. The coordinate of the azimuth is linear in the logarithm of the
-width along it, on which masking depends: the albedos of a brushed surface change most near the
-direction of the narrow width.
+width, the azimuth and the cosine. The coordinate of the azimuth is linear in the width along it, on
+which masking depends.
 """
 
 import functools
@@ -53,8 +52,8 @@ def coordinates(w: Any, widths: Any, xp: Namespace = NUMPY) -> list:
         return place
     x2, y2 = w.x * w.x, w.y * w.y
     least = 1e-12 * (small * small)  # the normal has no azimuth
-    along2 = (u * u * x2 + v * v * y2 + least) / (x2 + y2 + 1e-12)
-    turn = 0.5 * xp.log(along2 / (small * small)) / xp.maximum(quotient, 1e-6)
+    along = xp.sqrt((u * u * x2 + v * v * y2 + least) / (x2 + y2 + 1e-12))
+    turn = (along - small) / xp.maximum(large - small, 1e-6 * small)
     return [xp.clip(turn, 0, 1), *place]
 
 
@@ -63,8 +62,8 @@ def cos2_at(turn: np.ndarray, quotients: np.ndarray) -> np.ndarray:
 
     quotients: (Q,) of the larger to the smaller width.
     """
-    narrow2 = 1 / np.maximum(quotients[:, None], 1.001) ** 2
-    return np.clip((narrow2 ** (1 - turn) - narrow2) / (1 - narrow2), 0, 1)
+    narrow = 1 / np.maximum(quotients[:, None], 1.001)
+    return ((narrow + turn * (1 - narrow)) ** 2 - narrow**2) / (1 - narrow**2)
 
 
 def turn_weights(count: int, quotients: np.ndarray) -> np.ndarray:
