@@ -78,6 +78,14 @@ FURNACES = {
     "film over air": Furnace(
         FILMED | {"thin_film_ior": 3.0, "specular_ior": 0.4, "specular_roughness": 0.0}, 0.02
     ),
+    # The film reflects totally where the base does not.
+    "low film": Furnace(FILMED | {"thin_film_ior": 0.5}, 0.015, (1.0, 0.85, 0.5)),
+    "low film on glass": Furnace(
+        {"transmission_weight": 1.0, "interior": True, "specular_roughness": 1.0}
+        | FILMED
+        | {"thin_film_ior": 0.7},
+        *(0.05, (1.0, 0.2, 0.1, -0.5)),
+    ),
     "filmed metal": Furnace(FILMED | METAL, 0.02, (1.0, 0.6, 0.3)),
     # The loss is linear between nine roughnesses, and between five azimuths of brushed panes.
     "etched pane": Furnace(PANE | ETCHED, 0.02, SIDES),

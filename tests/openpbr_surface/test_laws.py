@@ -55,7 +55,7 @@ KINDS = {
     "rough slab": Kind(
         COLORS | ROUGH | {"specular_ior": (0.6, 2.5), "base_diffuse_roughness": (0, 1)}
     ),
-    "film": Kind(COLORS | ROUGH | FILM, furnace=0.02),
+    "film": Kind(COLORS | ROUGH | FILM | {"thin_film_ior": (0.5, 2.4)}, furnace=0.02),
     "fuzz": Kind(COLORS | ROUGH | {"fuzz_weight": (0, 1), "fuzz_roughness": (0.1, 1)}),
     "glass": Kind(TWO_WIDTHS | {"specular_color": COLOR}, GLASS, furnace=0.015, across=1.5),
     "filmed glass": Kind(ROUGH | FILM, GLASS, across=1.5),

@@ -2,7 +2,8 @@
 
 The directional albedo of an interface is a mean, over visible facets, of the reflectance times
 masking. The film's reflectance is known only during rendering. It is evaluated at the nodes of a
-Gauss rule, which is exact for polynomials in the cosine to the facet.
+Gauss rule, which is exact for polynomials in the cosine to the facet. A film of an index below that
+of the medium above it reflects totally at grazing angles, and the rule is over the other facets.
 """
 
 import functools
@@ -11,13 +12,12 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core import albedos, fresnel
-from urushi.core.facets import MIRROR
+from urushi.core import albedos, anisotropic_albedos, fresnel
 from urushi.core.namespace import DRJIT
 from urushi.core.quadrature import gauss
 from urushi.material.crossing import in_plane, mirrored
 from urushi.mitsuba.recording import compiled_once
-from urushi.mitsuba.tables import InterfaceAlbedo, Interpolated, albedo_coordinates
+from urushi.mitsuba.tables import Interpolated
 from urushi.openpbr_surface import formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.parameters import names_of
@@ -42,13 +42,17 @@ class FilmFresnel:
     variants, and Y in monochromatic variants.
     """
 
-    def __init__(self, inputs: Inputs):
+    def __init__(self, inputs: Inputs, transmits: bool = False):
+        """transmits: whether `passing` is asked for visible facets, where the film is `total`."""
         self._inputs = inputs
-        self._rule, self._mean_rule = map(Interpolated, rules())
         indices = [inputs.known(name) for name in _INDICES]
-        self._mirror, self._total = InterfaceAlbedo(MIRROR), None
-        if any(x is None for x in indices) or formulas.relative_index(*indices) < 1:
-            self._total = InterfaceAlbedo(None)
+        # Whether the film may reflect totally where the base does not.
+        self.total = any(x is None for x in indices) or formulas.relative_index(*indices) < 1
+        self._rules = {
+            (visible, diffuse): Interpolated(rule)
+            for visible in {False, transmits and self.total}
+            for diffuse, rule in enumerate(rules(self.total, visible))
+        }
 
     def dielectric(self, cosine, eta, si, active):
         """The term of a dielectric of index eta relative to the medium above, a spectrum."""
@@ -64,32 +68,40 @@ class FilmFresnel:
             values.append(thin_film.reflectance(cosine, film, below, response, DRJIT))
         return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
 
-    def facets(self, cosine, alpha):
-        """Cosines and weights of a Gauss rule of `rules`, for a direction; None: diffuse light."""
-        rule = self._mean_rule if cosine is None else self._rule
-        found = rule(albedo_coordinates(cosine, alpha, None))
-        return zip(found[:NODES], found[NODES:], strict=True)
+    def passing(self, bare, cosine, alpha, index, si, active, *, above=True, visible=False):
+        """What filmed facets pass, a spectrum, where bare ones pass `bare`.
 
-    def mean(self, cosine, alpha, eta, bare, si, active):
-        """Mean reflectance of the facets seen from a direction, a spectrum; weighted by masking.
+        Both are proportional to the mean of one minus the reflectance of the facets, at the nodes
+        of `rules`.
 
-        What bare facets pass is multiplied by the quotient of what both pass at the nodes of
-        `rules`: neither is less than zero, wherever they reflect totally.
-
-        cosine: of the direction; None: the mean over diffuse light. bare: the mean without film.
+        cosine: of the direction; None: the mean over diffuse light. index: of the base relative to
+        the medium above it. above: whether the light is above. visible: see `rules`.
         """
-        film, edge, passes = self._film(si, active), eta, 1 - bare
-        if self._total:  # index of a bare dielectric that reflects totally at the same facets
-            edge = dr.select(film.eta < 1, dr.minimum(film.eta, eta), eta)
-            more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
-            seen = self._mirror.reflected(cosine, alpha)
-            passes -= (more - less) / dr.maximum(seen, _LEAST)
+        film = self._film(si, active)
+        eta = dr.select(above, index, 1 / index)
+        near = dr.select(above, film.eta, film.eta / index)
+        edge = dr.select(near < 1, dr.minimum(near, eta), eta)  # of total reflection under the film
+        facets = bare_facets = self._facets(cosine, alpha, edge, visible)
+        if self.total:
+            bare_facets = self._facets(cosine, alpha, eta, visible)
         filmed, unfilmed = mi.Spectrum(0), mi.Float(0)
-        for c, weight in self.facets(cosine, alpha):
-            filmed += weight * (1 - self._filmed(c, film, eta, si))
-            unfilmed += weight * (1 - fresnel.dielectric(c, edge)[0])
-        passes = dr.clip(passes * filmed / dr.maximum(unfilmed, _LEAST), 0, 1)
-        return dr.lerp(mi.Spectrum(bare), 1 - passes, self._weight(si, active))
+        for c, weight in facets:
+            outside = dr.select(above, c, dr.maximum(fresnel.dielectric(c, eta)[1], 0))
+            filmed += weight * (1 - self._filmed(outside, film, index, si))
+        for c, weight in bare_facets:
+            unfilmed += weight * (1 - fresnel.dielectric(c, eta)[0])
+        passed = bare * (filmed / dr.maximum(unfilmed, _LEAST))
+        return dr.lerp(mi.Spectrum(bare), passed, self._weight(si, active))
+
+    def _facets(self, cosine, alpha, eta, visible):
+        """Cosines and weights of a rule of `rules`, without facets that reflect totally at eta."""
+        at = [albedos.roughness_coordinate(alpha, DRJIT)]
+        if cosine is not None:
+            at.insert(0, albedos.cosine_coordinate(cosine, eta if self.total else None, DRJIT))
+        if self.total:
+            at.append(anisotropic_albedos.index_coordinate(dr.clip(eta, 1 / 3, 3), DRJIT))
+        found = self._rules[visible, cosine is None](at)
+        return list(zip(found[:NODES], found[NODES:], strict=True))
 
     def _filmed(self, cosine, film, eta, si):
         """Reflectance of a dielectric under the film, a spectrum."""
@@ -121,40 +133,60 @@ class FilmFresnel:
 
 
 @functools.cache
-def rules() -> tuple[np.ndarray, np.ndarray]:
-    """Gauss rules of GGX facets with Smith's masking at the nodes of `albedos`, float32.
+def rules(total: bool, visible: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss rules of GGX facets at the nodes of `albedos`, float32.
+
+    total: whether there is an axis of the index, at the nodes I of `anisotropic_albedos`: the rules
+        are then over the facets that do not reflect totally. visible: whether facets have the
+        weight by which they are seen; else this is multiplied by Smith's masking of the light that
+        they reflect.
 
     Returns:
-        `NODES` cosines to facets and then their weights, whose sum is one:
-        (ROUGHNESSES, COSINES, 2 NODES) of the facets seen from a direction, and
-        (ROUGHNESSES, 2 NODES) of the facets met by diffuse light.
+        `NODES` cosines to facets and then their weights, whose sum is one over all facets:
+        (I, ROUGHNESSES, COSINES, 2 NODES) of the facets seen from a direction, and
+        (I, ROUGHNESSES, 2 NODES) of the facets met by diffuse light; without I if not total.
     """
-    alphas, cosine = albedos.nodes()
-    light = albedos.hemisphere_mean(np.eye(len(cosine)))[:, None]
+    if not total:
+        return _rules_beyond(None, visible)
+    etas = map(float, anisotropic_albedos.indexnodes())
+    found = [_rules_beyond(eta if eta < 1 else None, visible) for eta in etas]
+    seen, mean = zip(*found, strict=True)
+    return np.stack(seen), np.stack(mean)
+
+
+@functools.cache
+def _rules_beyond(eta: float | None, visible: bool) -> tuple[np.ndarray, np.ndarray]:
+    """`rules` of an index; None: one from one."""
+    alphas, cosine = albedos.nodes(eta)
+    edge = 0.0 if eta is None else (1 - eta * eta) ** 0.5
+    light = albedos.hemisphere_mean(np.eye(len(cosine))[None], np.array([eta or 1.0]))[0, :, None]
     found = []
     for alpha in alphas:
-        facets, weight = facets_seen(alpha, cosine)
-        pairs = (facets, weight), (facets.ravel(), (weight * light).ravel())
-        both = [
-            gauss_rule(np.atleast_2d(x), np.atleast_2d(w / w.sum(-1, keepdims=True)), NODES)
-            for x, w in pairs
-        ]
-        found.append([rule.swapaxes(1, 2).reshape(len(rule), -1) for rule in both])
+        facets, weight = facets_seen(alpha, cosine, visible)
+        both = []
+        for x, w in ((facets, weight), (facets.reshape(1, -1), (weight * light).reshape(1, -1))):
+            w = np.where(x > edge, 1, 1e-9) * (w / w.sum(-1, keepdims=True))
+            rule = gauss_rule(x, w, NODES).swapaxes(1, 2)
+            rule[:, 0] = np.maximum(rule[:, 0], edge)  # where there is hardly any such facet
+            both.append(rule.reshape(len(x), -1))
+        found.append(both)
     seen, mean = (np.stack(rows).astype(np.float32) for rows in zip(*found, strict=True))
     return seen, mean[:, 0]
 
 
-def facets_seen(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def facets_seen(alpha: float, cosine: np.ndarray, visible: bool) -> tuple[np.ndarray, np.ndarray]:
     """Cosines (D, M) to facets from directions of cosines (D,), and weights (D, M).
 
-    The weights integrate a reflectance times f cos of a white lobe over the hemisphere. The facets
-    lie evenly on the spherical cap of visible normals (Dupuy and Benyoub 2023).
+    The weights integrate a reflectance times f cos of a white lobe over the hemisphere, or over all
+    directions if visible. The facets lie evenly on the spherical cap of visible normals (Dupuy and
+    Benyoub 2023).
     """
     nodes, shares = gauss(FINE)
     place = 0.5 * (nodes + 1)
     u = np.stack(np.meshgrid(0.5 * place, 1 - place, indexing="ij"), axis=-1)  # half of a turn
     facets = mirrored(in_plane(cosine[:, None]), alpha, u.reshape(-1, 2))
-    return facets.cosine, 0.25 * np.outer(shares, shares).ravel() * facets.masking
+    masking = np.ones_like(facets.masking) if visible else facets.masking
+    return facets.cosine, 0.25 * np.outer(shares, shares).ravel() * masking
 
 
 def gauss_rule(x: np.ndarray, weights: np.ndarray, nodes: int) -> np.ndarray:

@@ -155,9 +155,10 @@ class Base(OfInputs):
         for w in (si.wi, wo, None):
             reflected = self.reflected(w, vertex)
             if self._film:
-                seen = dr.maximum(self._mirror.reflected(w, vertex.widths), 1e-4)
-                cosine, bare = None if w is None else w.z, reflected / seen
-                reflected = seen * self._film.mean(cosine, alpha, eta, bare, si, active)
+                seen, cosine = self._mirror.reflected(w, vertex.widths), None if w is None else w.z
+                bare = dr.maximum(seen - reflected, 0)
+                filmed = self._film.passing(bare, cosine, alpha, eta, si, active)
+                reflected = seen - dr.clip(filmed, 0, seen)
             passed.append(1 - reflected)
         both, mean = passed[0] * passed[1], dr.maximum(passed[2], 1e-4)
         if self._slab is None:

@@ -110,7 +110,7 @@ class Glass(OfInputs):
         two_widths = not self._inputs.is_constant("specular_roughness_anisotropy", 0)
         self._sides = [(eta, InterfaceAlbedo(eta, two_widths)) for eta in (index, 1 / index)]
         film = not self._inputs.is_constant("thin_film_weight", 0)
-        self._film: Any = FilmFresnel(self._inputs) if film else None
+        self._film: Any = FilmFresnel(self._inputs, transmits=True) if film else None
         self._mirror: Any = InterfaceAlbedo(MIRROR, two_widths) if film else None
         bare = film or self._inputs.is_constant("coat_weight", 0)  # a film may appear
         of_film = film_parameters if bare else ()
@@ -136,18 +136,16 @@ class Glass(OfInputs):
         """
         sides = [table.both(w, widths, eta) for eta, table in self._sides]
         reflected, passed = (dr.select(above, *pair) for pair in zip(*sides, strict=True))
-        lost = 1 - reflected - passed
         if not self._film:
-            return lost
-        # The film reflects more of the light than bare facets, and passes less.
+            return 1 - reflected - passed
         along, across = microfacet.pair(widths)
-        eta, more = dr.select(above, self._index, 1 / self._index), mi.Spectrum(0)
-        for c, weight in self._film.facets(None if w is None else w.z, 0.5 * (along + across)):
-            bare = fresnel.dielectric(c, eta)[0]
-            more += weight * (self._fresnel(c, eta, above, si, active) - bare)
+        at = None if w is None else w.z, 0.5 * (along + across), mi.Float(self._index), si, active
         seen = self._mirror.reflected(w, widths)
-        leaves = passed / dr.maximum(1 - reflected / dr.maximum(seen, 1e-3), 1e-2)
-        return lost + more * (dr.minimum(leaves, 1) - seen)
+        kept = seen - reflected  # of light that facets reflect, if they reflected all
+        if not self._film.total:  # both are about proportional to what the facets pass
+            return (1 - seen) + self._film.passing(kept - passed, *at, above=above)
+        leaves = self._film.passing(passed, *at, above=above, visible=True)
+        return (1 - seen) + self._film.passing(dr.maximum(kept, 0), *at, above=above) - leaves
 
     def _f(self, vertex, ctx, si, wo, active):
         above, through = si.wi.z > 0, si.wi.z * wo.z < 0
