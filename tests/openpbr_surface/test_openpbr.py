@@ -2,6 +2,7 @@
 
 from unittest.mock import Mock
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from urushi.material import adding
 from urushi.mitsuba.reading import probing
 from urushi.nets import lobe as lobes
 from urushi.openpbr_surface import formulas, thin_film
+from urushi.openpbr_surface.inputs import Inputs, clipped
 
 pytestmark = pytest.mark.usefixtures("rgb")
 
@@ -217,6 +219,22 @@ def test_a_spectrum_is_its_colour_or_its_number():
     ):
         found = [values(loaded(**{name: x}), *pairs(64)) for x in (given, expected)]
         np.testing.assert_allclose(*found, rtol=1e-5)
+
+
+def test_values_of_textures_end_where_their_parameters_do():
+    """They have derivatives at the ends."""
+    given = {name: strip(-3.0, 4.0) for name in ("base_metalness", "coat_ior", "base_color")}
+    given |= {"subsurface_scatter_anisotropy": strip(-3.0, 4.0)}
+    inputs, si = Inputs.of(given, "openpbr"), dr.zeros(mi.SurfaceInteraction3f, 2)
+    si.uv = mi.Point2f([0.25, 0.75], 0.5)
+    at = inputs.at(si, mi.Bool(True))
+    for name, low, high in zip(given, (0, 0, 0, -1), (1, 4, 1, 1), strict=True):
+        value = np.atleast_2d(getattr(at, name).numpy())
+        np.testing.assert_array_equal(value, np.broadcast_to([low, high], value.shape))
+    ends = mi.Float(0.0, 1.0)
+    dr.enable_grad(ends)
+    dr.backward(clipped("base_metalness", ends))
+    np.testing.assert_array_equal(dr.grad(ends).numpy(), 1)
 
 
 def direction(x, y, z):
