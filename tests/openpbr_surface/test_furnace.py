@@ -84,7 +84,8 @@ FURNACES = {
         {"transmission_weight": 1.0, "interior": True, "specular_roughness": 1.0}
         | FILMED
         | {"thin_film_ior": 0.7},
-        *(0.05, (1.0, 0.2, 0.1, -0.5)),
+        *(0.15, (1.0, 0.2, 0.1, -0.5)),
+        most=0.03,
     ),
     "filmed metal": Furnace(FILMED | METAL, 0.02, (1.0, 0.6, 0.3)),
     # The loss is linear between nine roughnesses, and between five azimuths of brushed panes.

@@ -43,16 +43,13 @@ class FilmFresnel:
     """
 
     def __init__(self, inputs: Inputs, transmits: bool = False):
-        """transmits: whether `passing` is asked for visible facets, where the film is `total`."""
+        """transmits: whether `passing` is asked for light that leaves on the other side, too."""
         self._inputs = inputs
         indices = [inputs.known(name) for name in _INDICES]
         # Whether the film may reflect totally where the base does not.
-        self.total = any(x is None for x in indices) or formulas.relative_index(*indices) < 1
-        self._rules = {
-            (visible, diffuse): Interpolated(rule)
-            for visible in {False, transmits and self.total}
-            for diffuse, rule in enumerate(rules(self.total, visible))
-        }
+        self._total = any(x is None for x in indices) or formulas.relative_index(*indices) < 1
+        found = rules(self._total, visible=transmits and self._total)
+        self._rule, self._mean_rule = map(Interpolated, found)
 
     def dielectric(self, cosine, eta, si, active):
         """The term of a dielectric of index eta relative to the medium above, a spectrum."""
@@ -68,22 +65,22 @@ class FilmFresnel:
             values.append(thin_film.reflectance(cosine, film, below, response, DRJIT))
         return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
 
-    def passing(self, bare, cosine, alpha, index, si, active, *, above=True, visible=False):
+    def passing(self, bare, cosine, alpha, index, si, active, *, above=True):
         """What filmed facets pass, a spectrum, where bare ones pass `bare`.
 
         Both are proportional to the mean of one minus the reflectance of the facets, at the nodes
         of `rules`.
 
         cosine: of the direction; None: the mean over diffuse light. index: of the base relative to
-        the medium above it. above: whether the light is above. visible: see `rules`.
+        the medium above it. above: whether the light is above.
         """
         film = self._film(si, active)
         eta = dr.select(above, index, 1 / index)
         near = dr.select(above, film.eta, film.eta / index)
         edge = dr.select(near < 1, dr.minimum(near, eta), eta)  # of total reflection under the film
-        facets = bare_facets = self._facets(cosine, alpha, edge, visible)
-        if self.total:
-            bare_facets = self._facets(cosine, alpha, eta, visible)
+        facets = bare_facets = self._facets(cosine, alpha, edge)
+        if self._total:
+            bare_facets = self._facets(cosine, alpha, eta)
         filmed, unfilmed = mi.Spectrum(0), mi.Float(0)
         for c, weight in facets:
             outside = dr.select(above, c, dr.maximum(fresnel.dielectric(c, eta)[1], 0))
@@ -93,14 +90,14 @@ class FilmFresnel:
         passed = bare * (filmed / dr.maximum(unfilmed, _LEAST))
         return dr.lerp(mi.Spectrum(bare), passed, self._weight(si, active))
 
-    def _facets(self, cosine, alpha, eta, visible):
+    def _facets(self, cosine, alpha, eta):
         """Cosines and weights of a rule of `rules`, without facets that reflect totally at eta."""
         at = [albedos.roughness_coordinate(alpha, DRJIT)]
         if cosine is not None:
-            at.insert(0, albedos.cosine_coordinate(cosine, eta if self.total else None, DRJIT))
-        if self.total:
+            at.insert(0, albedos.cosine_coordinate(cosine, eta if self._total else None, DRJIT))
+        if self._total:
             at.append(anisotropic_albedos.index_coordinate(dr.clip(eta, 1 / 3, 3), DRJIT))
-        found = self._rules[visible, cosine is None](at)
+        found = (self._mean_rule if cosine is None else self._rule)(at)
         return list(zip(found[:NODES], found[NODES:], strict=True))
 
     def _filmed(self, cosine, film, eta, si):

@@ -142,10 +142,8 @@ class Glass(OfInputs):
         at = None if w is None else w.z, 0.5 * (along + across), mi.Float(self._index), si, active
         seen = self._mirror.reflected(w, widths)
         kept = seen - reflected  # of light that facets reflect, if they reflected all
-        if not self._film.total:  # both are about proportional to what the facets pass
-            return (1 - seen) + self._film.passing(kept - passed, *at, above=above)
-        leaves = self._film.passing(passed, *at, above=above, visible=True)
-        return (1 - seen) + self._film.passing(dr.maximum(kept, 0), *at, above=above) - leaves
+        # What is kept and what passes are both about proportional to what the facets transmit.
+        return (1 - seen) + self._film.passing(kept - passed, *at, above=above)
 
     def _f(self, vertex, ctx, si, wo, active):
         above, through = si.wi.z > 0, si.wi.z * wo.z < 0
