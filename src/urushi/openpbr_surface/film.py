@@ -143,20 +143,18 @@ def rules(total: bool, visible: bool) -> tuple[np.ndarray, np.ndarray]:
         (I, ROUGHNESSES, COSINES, 2 NODES) of the facets seen from a direction, and
         (I, ROUGHNESSES, 2 NODES) of the facets met by diffuse light; without I if not total.
     """
-    if not total:
-        return _rules_beyond(None, visible)
-    etas = map(float, anisotropic_albedos.indexnodes())
-    found = [_rules_beyond(eta if eta < 1 else None, visible) for eta in etas]
-    seen, mean = zip(*found, strict=True)
-    return np.stack(seen), np.stack(mean)
+    etas = np.minimum(anisotropic_albedos.indexnodes(), 1) if total else [1.0]
+    found = zip(*(_rules_of_index(float(eta), visible) for eta in etas), strict=True)
+    seen, mean = map(np.stack, found)
+    return (seen, mean) if total else (seen[0], mean[0])
 
 
 @functools.cache
-def _rules_beyond(eta: float | None, visible: bool) -> tuple[np.ndarray, np.ndarray]:
-    """`rules` of an index; None: one from one."""
+def _rules_of_index(eta: float, visible: bool) -> tuple[np.ndarray, np.ndarray]:
+    """`rules` of facets that do not reflect totally at an index up to one."""
     alphas, cosine = albedos.nodes(eta)
-    edge = 0.0 if eta is None else (1 - eta * eta) ** 0.5
-    light = albedos.hemisphere_mean(np.eye(len(cosine))[None], np.array([eta or 1.0]))[0, :, None]
+    edge = (1 - eta * eta) ** 0.5
+    light = albedos.hemisphere_mean(np.eye(len(cosine))[None], np.array([eta]))[0, :, None]
     found = []
     for alpha in alphas:
         facets, weight = facets_seen(alpha, cosine, visible)
