@@ -28,6 +28,7 @@ from urushi.core.namespace import NUMPY, Components, Namespace
 from urushi.core.quadrature import POLAR_NODES, directional_albedos, gauss
 from urushi.core.table import SHAPE, Knots, corners, interpolated_columns, node_pairs
 from urushi.material.crossing import in_plane, inner_albedo
+from urushi.material.energy import TOLERANCE
 from urushi.walk.medium import hg
 
 #: Directions of the grid in elevation, and around.
@@ -44,6 +45,10 @@ DENSITY = 0.8
 
 #: Largest asymmetry of a phase function on the grid. A sharper forward peak counts as unscattered.
 LARGEST_ASYMMETRY = 0.9
+
+#: Albedo, with its error, up to which a bottom gains no energy; cosines at which this is measured;
+#: and the largest factor of light between a bottom that gains some and what is above it.
+CONSERVING, GAINING, LARGEST_GAIN = 1 + TOLERANCE, np.array([0.95, 0.6, 0.3]), 0.998
 
 #: Least asymmetry that the grid resolves; a sharper backward peak counts as this one.
 RESOLVED_G = -0.95
@@ -230,6 +235,12 @@ def albedos(f: Brdf, cosines: np.ndarray, polar: int = POLAR_NODES) -> np.ndarra
     return directional_albedos(f, np.stack(in_plane(cosines), axis=-1), polar=polar)
 
 
+def ceilings(f: Brdf) -> np.ndarray:
+    """The largest albedos (C,) of a BRDF and of coats over it: 1, or more if it gains energy."""
+    found = albedos(f, GAINING).max(axis=0)
+    return np.where(found > CONSERVING, found, 1)
+
+
 def albedo_factors(
     even: np.ndarray, weights: np.ndarray, albedo: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -240,7 +251,7 @@ def albedo_factors(
         weights: (N,) of the directions, by which its sums are albedos.
 
     Returns:
-        The factors, and the parts (N,) of the known albedos that are then missing.
+        The factors, and the parts (N,) of the known albedos that are then missing, at most 1.
     """
     factors = np.ones(len(albedo))
 
@@ -249,13 +260,14 @@ def albedo_factors(
 
     for _ in range(3):
         factors *= np.sqrt(np.minimum(albedo / np.maximum(sums(), 1e-30), 1))
-    return factors, np.maximum(albedo - sums(), 0)
+    return factors, np.clip(albedo - sums(), 0, 1)
 
 
 def bottom_modes(f: Brdf, edges: Edges = ()) -> np.ndarray:
-    """Modes (C, H, N, N) of a BRDF. Albedos above 1 count as 1."""
+    """Modes (C, H, N, N) of a BRDF; albedos above its `ceilings` count as these."""
     own = grid(edges)
-    values, albedo = f(*own.pairs()).astype(np.float64), np.minimum(albedos(f, own.cosines), 1)
+    values = f(*own.pairs()).astype(np.float64)
+    albedo = np.minimum(albedos(f, own.cosines), ceilings(f))
     return np.stack([own.brdf_modes(*column) for column in zip(values.T, albedo.T, strict=True)])
 
 
@@ -332,6 +344,20 @@ def media_transport(
     return np.exp(-depth / own.cosines), down, up, depth
 
 
+def convergent(up: np.ndarray, above: np.ndarray) -> np.ndarray:
+    """Light that a bottom reflects, scaled down if it would grow without bound below a surface.
+
+    Some BRDFs gain energy, such as that of white `principled`.
+
+    Args:
+        up, above: (..., N, N) shares of light that the bottom and the surface reflect.
+    """
+    if up[0].sum(axis=-1).max() < CONSERVING:
+        return up
+    gain = np.abs(np.linalg.eigvals(up[0] @ above[0])).max()
+    return up * up.dtype.type(LARGEST_GAIN / max(gain, LARGEST_GAIN))
+
+
 def covered(
     up: np.ndarray, through: np.ndarray, scattered: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -344,12 +370,14 @@ def covered(
     """
     reflected, passed = scattered
     once = np.diag(through) + passed
+    up = convergent(up, reflected)
     field = np.linalg.solve(np.eye(len(through), dtype=up.dtype) - reflected @ up, once)
     return once @ up @ field + reflected, field
 
 
 def enclosed(up: np.ndarray, interface: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """BRDF (..., N, N) of a bottom, of `covered`, below an interface that reflects from below."""
+    up = convergent(up, interface * weights)
     once = up @ (interface * weights)
     return np.linalg.solve(np.eye(len(weights), dtype=up.dtype) - once, up / weights)
 

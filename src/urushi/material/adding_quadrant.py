@@ -92,12 +92,13 @@ def parts(f: adding.Brdf, albedo: np.ndarray) -> np.ndarray:
 
 
 def bottom_parts(f: adding.Brdf) -> np.ndarray:
-    """The parts (C, 4, Q, Q) of a BRDF. Albedos above 1 count as 1."""
+    """The parts (C, 4, Q, Q) of a BRDF; albedos above its `adding.ceilings` count as these."""
     rule, angles, (x, y, z) = albedo_rule(2), np.arccos(COSINES[2]), directions().T
     known = rule.albedo(f(rule.wi, rule.wo).T).T
     known = known.reshape(-1, len(angles), known.shape[1])
     places = np.interp(np.arccos(z), angles, np.linspace(0, 1, len(angles)))
-    return parts(f, np.minimum(linear_at(known, np.arctan2(y, x) * (2 / np.pi), places), 1))
+    albedo = linear_at(known, np.arctan2(y, x) * (2 / np.pi), places)
+    return parts(f, np.minimum(albedo, adding.ceilings(f)))
 
 
 @functools.lru_cache(maxsize=8)

@@ -94,8 +94,7 @@ def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np
     of_top = adding.albedos(top, LIMITED_COSINES, polar_nodes(own))
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
     if (of_rest + of_top > ceiling).any():
-        gained = adding.albedos(bottom.f, LIMITED_COSINES).max(axis=0)
-        ceiling = np.where(gained > 1 + energy.TOLERANCE, gained, ceiling)
+        ceiling = ceiling + (below.ceiling[channels] - 1)
     allowed = np.maximum(ceiling - of_top, energy.LEAST_REST)
     for _ in range(ROUNDS):  # a factor at the nodes is a smaller change between them
         factors = np.minimum(allowed / np.maximum(of_rest, energy.LEAST_ALBEDO), 1)

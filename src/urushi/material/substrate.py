@@ -61,6 +61,11 @@ class Substrate:
         """The number of channels, C."""
         return self.reflector.channels
 
+    @functools.cached_property
+    def ceiling(self) -> np.ndarray:
+        """See `adding.ceilings`."""
+        return adding.ceilings(self.reflector.f)
+
     @property
     def widths(self) -> int:
         """The number of GGX widths."""

@@ -24,9 +24,9 @@ from urushi.textures.own_functions import extended
 from urushi.textures.point_codes import FAINT, SPARSE, PointCodes, Rows, slope_weights
 from urushi.textures.store import TexelGrid
 
-#: Numbers of nodes of an axis, and the most nodes of all axes together: their codes fit into the
-#: caches of a processor.
-COUNTS, NODES = (2, 3, 5, 9, 17, 33, 65), 1 << 14
+#: Numbers of nodes of an axis, and the most nodes of all channels together: their codes take three
+#: megabytes.
+COUNTS, NODES = (2, 3, 5, 9, 17, 33, 65), 1 << 16
 
 #: Root mean square error of ln f between nodes from which an axis has enough of them.
 SMOOTH = 1e-3
@@ -123,7 +123,7 @@ def bake(model: Model, axes: Sequence[Axis], rows: Rows, constants: Mapping[str,
         # No light is added by what `FAINT` adds, of at most this albedo.
         faint = np.pi * FAINT * transmittance.of_lobe(tops[:, None], directions)
         own_model = extended(model, found.functions)
-        changes = limit(own_model, codes, 1 - MARGIN + faint) - codes
+        changes = limit(own_model, codes, found.ceiling - MARGIN + faint) - codes
         return rests + changes[..., tops.shape[-1] :]
 
     # A fit that is too bright at grazing angles would be scaled down at all others as well.
@@ -134,7 +134,7 @@ def bake(model: Model, axes: Sequence[Axis], rows: Rows, constants: Mapping[str,
         """Rests (C, k, K) at coordinates (k, d)."""
         return limited(x, np.moveaxis(smooth(x), 1, 0), limit_albedo)
 
-    shape = node_counts(norm, rests_at, len(own))
+    shape = node_counts(norm, rests_at, len(own), NODES // len(fitted))
     nodes = np.array([*np.ndindex(*shape)], float) / (np.array(shape) - 1.0)
 
     def slope(k: int) -> np.ndarray:
@@ -171,11 +171,11 @@ def bake(model: Model, axes: Sequence[Axis], rows: Rows, constants: Mapping[str,
 
 
 def node_counts(
-    norm: np.ndarray, rests_at: Callable[[np.ndarray], np.ndarray], dimensions: int
+    norm: np.ndarray, rests_at: Callable[[np.ndarray], np.ndarray], dimensions: int, most: int
 ) -> tuple[int, ...]:
     """Numbers of nodes, one of `COUNTS` for each axis, by the curvature of rests along it.
 
-    norm: (K, K) of the basis. rests_at: (C, k, K) at coordinates (k, d).
+    norm: (K, K) of the basis. rests_at: (C, k, K) at coordinates (k, d). most: nodes of all axes.
     """
     rng, curvatures = np.random.default_rng(0), []
     lines = LINES if dimensions > 1 else 1  # a sole axis is one line
@@ -192,7 +192,7 @@ def node_counts(
         axis = int(errors.argmax())
         more = counts + (np.arange(dimensions) == axis)
         enough = errors[axis] < SMOOTH or more[axis] == len(COUNTS)
-        if enough or np.prod(np.take(COUNTS, more)) > NODES:
+        if enough or np.prod(np.take(COUNTS, more)) > most:
             growing[axis] = False
         else:
             counts = more

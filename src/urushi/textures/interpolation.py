@@ -1,5 +1,6 @@
 """Interpolation by radial functions, and points of the unit cube that they interpolate."""
 
+import itertools
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -14,8 +15,8 @@ BLOCK = 2048
 #: Length of a coordinate at first, and its bounds, relative to the range of the coordinate.
 LENGTH, SHORTEST, LONGEST = 2.5, 0.1, 50.0
 
-#: Points by which lengths are chosen, and rounds of this choice.
-CHOOSING, ROUNDS = 160, 2
+#: Rounds in which lengths are chosen: by how many points at most, and the factor of a change.
+ROUNDS = (160, 2.0), (1024, 1.5)
 
 #: Added to the diagonal: points may coincide.
 RIDGE = 1e-11
@@ -70,25 +71,26 @@ def _lengths(
     x: np.ndarray, values: np.ndarray, norm: np.ndarray
 ) -> tuple[NDArray[np.float64], float]:
     """The length (d,) of each coordinate, and the mean square error at points that are left out."""
-    some = np.random.default_rng(0).permutation(len(x))[:CHOOSING]
-    x, values = x[some].astype(np.float64), (values[some] @ norm).reshape(len(some), -1)
+    order = np.random.default_rng(0).permutation(len(x))
+    x, values = x[order].astype(np.float64), (values[order] @ norm).reshape(len(x), -1)
     ranges = np.maximum(np.ptp(x, axis=0), 1e-9)
 
-    def error(lengths: np.ndarray) -> float:
-        """The mean square of the errors at points that are left out."""
-        inverse = np.linalg.inv(_system(x / (lengths * ranges)))[:-1, :-1]
-        mistakes = inverse @ values / np.diag(inverse)[:, None]
+    def error(lengths: np.ndarray, count: int) -> float:
+        """The mean square of the errors at points that are left out, of the first ones."""
+        inverse = np.linalg.inv(_system(x[:count] / (lengths * ranges)))[:-1, :-1]
+        mistakes = inverse @ values[:count] / np.diag(inverse)[:, None]
         return float(np.square(mistakes).sum(axis=1).mean())
 
     lengths = np.full(x.shape[1], LENGTH)
-    least = error(lengths)
-    for axis, factor in [(a, f) for a in range(x.shape[1]) for f in (0.5, 2.0)] * ROUNDS:
-        while True:
-            other = lengths.copy()
-            other[axis] *= factor
-            if not SHORTEST < other[axis] < LONGEST or (now := error(other)) >= least:
-                break
-            lengths, least = other, now
+    for count, step in ROUNDS:
+        least = error(lengths, count)
+        for axis, factor in itertools.product(range(x.shape[1]), (1 / step, step)):
+            while True:
+                other = lengths.copy()
+                other[axis] *= factor
+                if not SHORTEST < other[axis] < LONGEST or (now := error(other, count)) >= least:
+                    break
+                lengths, least = other, now
     return lengths * ranges, least
 
 

@@ -15,7 +15,7 @@ from urushi.textures.own_functions import extended, own_functions
 
 #: Points of transport by the number of axes, of one width and of two; a point of two widths takes
 #: much longer.
-POINTS = {1: (32, 128, 256, 384, 512, 512), 2: (24, 64, 112, 144, 176, 192)}
+POINTS = {1: (32, 128, 256, 384, 640, 768), 2: (24, 64, 112, 144, 176, 192)}
 
 #: Most axes.
 AXES = len(POINTS[1])
@@ -38,8 +38,9 @@ class Rows(Protocol):
     def coats(self, values: np.ndarray) -> CoatParameters:
         """The coats, arrays (C, k)."""
 
-    def transported(self, values: np.ndarray) -> np.ndarray:
-        """f (C, k, P) [1/sr] at the probe pairs by light transport, without the lobes of coats."""
+    def transported(self, values: np.ndarray) -> tuple[np.ndarray, float]:
+        """f (C, k, P) [1/sr] at the probe pairs by light transport, without the lobes of coats; and
+        the largest `Substrate.ceiling`."""
 
     def tables(self, values: np.ndarray, channels: np.ndarray) -> np.ndarray:
         """g (k, N) [1/sr] of `nets.transmittance` of channels (k,) at the nodes of `core.table`;
@@ -63,13 +64,14 @@ class PointCodes:
         functions: of the material, see `own_functions`.
         rests: float32 (C, k, K) of the codes, with `FAINT`.
         slopes: by each constant (C, k', K) of the rests at every `SPARSE` th point.
+        ceiling: the largest albedo.
     """
 
     def __init__(
         self, model: Model, axes: Sequence[Axis], rows: Rows, constants: Mapping[str, Changes]
     ):
         self._model, self._axes, self._rows = model, axes, rows
-        self._constants = len(constants)
+        self._constants, self.ceiling = len(constants), 1.0
         count = len(axes)
         levels = [axis.levels for axis in axes]
         self.x = points(levels, POINTS[model.widths][count - 1]) if count else np.zeros((1, 0))
@@ -107,7 +109,8 @@ class PointCodes:
 
     def _transported(self, x: np.ndarray, ways: np.ndarray) -> Transported:
         values = [self._values(x, way) for way in ways]
-        f = np.stack([self._rows.transported(own) for own in values], axis=-2)
+        found, ceilings = zip(*map(self._rows.transported, values), strict=True)
+        f, self.ceiling = np.stack(found, axis=-2), max(self.ceiling, *ceilings)
         tops = np.stack([self._lobes(own)[:1] for own in values], axis=-2)
         passed = transmittance.both_ways(tops[..., None, :], *self._model.networks.pairs())
         own, shape = np.stack(values, axis=1), f.shape[:3]

@@ -22,7 +22,7 @@ from urushi.nets.weights import Model
 COUNTS = 3, 7, 11, 15, 23, 31
 
 #: Errors of f at the probe pairs: their mean over a material, and the largest one.
-MEAN_ERROR, LARGEST_ERROR = 2.5e-3, 2e-2
+MEAN_ERROR, LARGEST_ERROR = 1.5e-3, 2e-2
 
 #: Codes by which the errors are measured, evenly spaced, and those that are represented worst.
 SAMPLE, WORST = 256, 64

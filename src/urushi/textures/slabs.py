@@ -24,6 +24,9 @@ from urushi.textures.point_codes import slope_weights
 POINTS = 1, 32, 64, 112, 144, 176, 208
 PARTS, ENOUGH = (4, 2, 1), 0.02
 
+#: Most nodes of all axes.
+NODES = 1 << 14
+
 #: Most axes.
 AXES = len(POINTS) - 1
 
@@ -103,7 +106,7 @@ def bake(
             break
     x = apart(x)
     smooth = interpolant(x, at.numbers[:, 0], at.norm)
-    shape = node_counts(at.norm, lambda y: np.moveaxis(smooth(apart(y)), 1, 0), d)
+    shape = node_counts(at.norm, lambda y: np.moveaxis(smooth(apart(y)), 1, 0), d, NODES)
     nodes = apart(_grid(shape))
     numbers = np.moveaxis(smooth(nodes), 1, 0)
     grid, slopes = numbers.reshape(-1, *shape, len(at.norm)), []

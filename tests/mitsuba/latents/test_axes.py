@@ -174,6 +174,12 @@ def test_albedos_over_dielectrics_and_metals_agree_with_the_walk(rgb, bottom, te
     check({"base": bottom | {key: value}} | coat, rtol, u=0.75)
 
 
+@pytest.mark.parametrize("white", [0.97, strip(0.85, 1.0)], ids=["constant", "textured"])
+def test_bottoms_that_gain_energy_are_taken_as_they_are(rgb, white):
+    """White `principled` reflects up to 1.2; with albedos of at most 1, coats were 13 % too dark."""
+    check({"base": {"type": "principled", "roughness": 0.5, "base_color": white}}, 0.01)
+
+
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
 def test_mesh_attributes_and_volumes_of_one_value(rgb, name):
     """The walks are the same, except for a few that rounding sends another way; codes lack 1 %."""

@@ -105,12 +105,12 @@ class CoatedRows:
             columns.append(np.broadcast_to(column, (self._channels, count)))
         return columns
 
-    def transported(self, values: np.ndarray) -> np.ndarray:
+    def transported(self, values: np.ndarray) -> tuple[np.ndarray, float]:
         """f (C, k, P) [1/sr] without the lobe of the coat, see `textures.point_codes.Rows`."""
         below, places, coat = self._coated(values)
         flat = CoatParameters(of_widths(np.ravel, coat.alpha), *map(np.ravel, coat[1:]))
         rests = transported_rests(self._model, below, places.ravel(), flat)
-        return rests.reshape(*places.shape, -1)
+        return rests.reshape(*places.shape, -1), float(below.ceiling.max())
 
     def tables(self, values: np.ndarray, channels: np.ndarray) -> np.ndarray:
         """g (k, N) [1/sr] of channels (k,) at the nodes, see `textures.point_codes.Rows`."""
