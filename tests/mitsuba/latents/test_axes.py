@@ -176,7 +176,7 @@ def test_albedos_over_dielectrics_and_metals_agree_with_the_walk(rgb, bottom, te
 
 @pytest.mark.parametrize("white", [0.97, strip(0.85, 1.0)], ids=["constant", "textured"])
 def test_bottoms_that_gain_energy_are_taken_as_they_are(rgb, white):
-    """White `principled` reflects up to 1.2; with albedos of at most 1, coats were 13 % too dark."""
+    """White `principled` reflects 1.2; with albedos of at most 1, coats were 13 % too dark."""
     check({"base": {"type": "principled", "roughness": 0.5, "base_color": white}}, 0.01)
 
 
