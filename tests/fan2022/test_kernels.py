@@ -75,6 +75,7 @@ def test_the_command_renders_in_separate_kernels(rgb, saved, tmp_path, monkeypat
         assert not dr.flag(dr.JitFlag.SymbolicLoops)
         assert not dr.flag(dr.JitFlag.SymbolicCalls)
         rays.append(64 * spp)
+        scene.sensors()[0].film().prepare([])
         return rgb.TensorXf(np.ones((8, 8, 3), np.float32))
 
     monkeypatch.setattr(rgb, "render", render)

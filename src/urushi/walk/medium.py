@@ -96,7 +96,8 @@ def hg_between(w, direction, g):
     """
     size = dr.abs(g)
     near, far = dr.squared_norm(direction - w), dr.squared_norm(direction + w)
-    base = dr.square(1 - size) + dr.select(g > 0, size * near, size * far)
+    # Without a choice by the sign of g, whose result would be no spectrum to Dr.Jit
+    base = dr.square(1 - size) + 0.5 * ((size + g) * near + (size - g) * far)
     return (0.25 / dr.pi) * (1 - g * g) / (base * dr.sqrt(base))
 
 
